@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from .errors import ProgramError, ProgramProblem
 from .language.body import (
@@ -25,17 +25,17 @@ from .language.program import Plan, Program, Rule, all_plans, made_once
 from .language.quoted import PlanTerm
 from .language.terms import Cons, Literal, Term
 
-#: Takes a `Call` and the arguments; returns True, False, None, a unifier, or an iterator of them.
+#: Takes a `Call` and the arguments. Returns a bool, None, a unifier or an iterator of unifiers.
 InternalFunction: TypeAlias = Callable[..., Any]
 
 
 def error_annots(error: str, message: str) -> tuple[Term, ...]:
-    """Return the annotations of a failure event that say what went wrong."""
+    """Return the annotations of a failure event with the error and its message."""
     return (Literal("error", (Literal(error),)), Literal("error_msg", (message,)))
 
 
 class ActionError(Exception):
-    """Failure of an internal action; `annots` are the annotations of its `-!g` event."""
+    """Failure of an internal action. `annots` are the annotations of its `-!g` event."""
 
     def __init__(
         self, message: str, error: str = "internal_action", annots: tuple[Term, ...] = ()
@@ -80,7 +80,7 @@ class InternalActions(dict[str, InternalAction]):
 
     Parameters
     ----------
-    *given : mapping, optional
+    *mappings : mapping, optional
         Initial actions by name.
 
     Attributes
@@ -97,9 +97,8 @@ class InternalActions(dict[str, InternalAction]):
     ...     return call.unify(result, math.hypot(x, y))
     """
 
-    def __init__(self, *given: Mapping[str, InternalAction]) -> None:
-        super().__init__(*given)
-        #: Arithmetic functions by name.
+    def __init__(self, *mappings: Mapping[str, InternalAction]) -> None:
+        super().__init__(*mappings)
         self.functions: dict[str, Callable[..., float]] = {}
 
     def __repr__(self) -> str:
@@ -203,15 +202,24 @@ def check_actions(
     return tuple(unknown)
 
 
+class ActionCall(NamedTuple):
+    """Call of an internal action in a program."""
+
+    place: Place
+    action: Literal
+    in_context: bool
+    """Whether the call is in a context or query."""
+
+
 @made_once
-def _calls(program: Program) -> tuple[tuple[Place, Literal, bool], ...]:
-    """Return each call with its place, and whether it is in a context or query."""
+def _calls(program: Program) -> tuple[ActionCall, ...]:
+    """Return all calls in a program."""
     rules = (clause for clause in program.beliefs if isinstance(clause, Rule))
     in_rules = (call for rule in rules for call in _at(rule.place, rule.body))
     return (*in_rules, *_in_plans(program.plans))
 
 
-def _in_plans(plans: Iterable[Plan]) -> Iterator[tuple[Place, Literal, bool]]:
+def _in_plans(plans: Iterable[Plan]) -> Iterator[ActionCall]:
     for plan in all_plans(plans):
         yield from _at(plan.place, plan.context)
         if plan.until is not None:
@@ -219,16 +227,16 @@ def _in_plans(plans: Iterable[Plan]) -> Iterator[tuple[Place, Literal, bool]]:
         yield from _in_body(plan.body)
 
 
-def _at(place: Place, formula: Term) -> Iterator[tuple[Place, Literal, bool]]:
-    return ((place, call, within) for call, within in _in_formula(formula))
+def _at(place: Place, formula: Term) -> Iterator[ActionCall]:
+    return (ActionCall(place, action, within) for action, within in _in_formula(formula))
 
 
-def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
+def _in_body(body: Body) -> Iterator[ActionCall]:
     for step in steps_of(body):
         if isinstance(step, Act):
             if isinstance(step.action, Literal) and step.action.is_internal_action:
-                yield step.place, step.action, False
-                # The arguments of the call may have bodies and plans that call others.
+                yield ActionCall(step.place, step.action, in_context=False)
+                # The arguments may contain bodies and plans with further calls.
                 for arg in step.action.args:
                     yield from _at(step.place, arg)
         elif isinstance(step, Test):
@@ -259,6 +267,6 @@ def _in_formula(formula: Term) -> Iterator[tuple[Literal, bool]]:
         elif isinstance(part, Cons):
             pending.extend(e for e in part if isinstance(e, PlanTerm | BodyTerm))
         elif isinstance(part, PlanTerm):
-            yield from ((call, within) for _, call, within in _in_plans((part.plan,)))
+            yield from ((call.action, call.in_context) for call in _in_plans((part.plan,)))
         elif isinstance(part, BodyTerm):
-            yield from ((call, within) for _, call, within in _in_body(part.body))
+            yield from ((call.action, call.in_context) for call in _in_body(part.body))

@@ -211,7 +211,7 @@ class Agent:
     def pending_actions(self) -> dict[int, Literal]:
         """External actions without an outcome yet, by number."""
         pending = self._state.circumstance.pending_actions.values()
-        return {one.number: one.action for one in pending}
+        return {each.number: each.action for each in pending}
 
     def finish(self, action: int | str | Literal, success: bool = True) -> None:
         """Report the outcome of an action for which `act` returned `PENDING`.
@@ -244,7 +244,7 @@ class Agent:
         """
         self._state.mailbox.append(message)
 
-    # ---- its mind
+    # ---- state and program
 
     def problem(self, message: str) -> ProgramProblem:
         """Return a problem located at the step that is being carried out.

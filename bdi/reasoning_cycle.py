@@ -1,7 +1,7 @@
 """The reasoning cycle of an agent: sense, deliberate, act.
 
 A cycle handles timers that are due, updates the beliefs from percepts and reads one message. It
-then takes one event, the outcome of one action, and carries out one step of one intention.
+then handles one event and the outcome of one action, and carries out one step of one intention.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class ReasoningCycle:
         clock = nanoseconds(time)
         if clock < state.clock:
             raise ValueError(f"time must not decrease, but {time} s is before {state.now} s")
-        # Most calls find nothing to do: time passes, and that is all.
+        # Fast path, because there is often nothing to do.
         if self._has_begun and not (
             state.percepts.coming
             or state.alarms.heap
@@ -54,7 +54,7 @@ class ReasoningCycle:
         percepts.at_once = True
         try:
             if not self._has_begun:
-                # Its initial goals come first, at the time it was made, before any percept.
+                # The initial goals come first, at the start time, before any percept.
                 self._has_begun = True
                 self._run_instant()
             if state.alarms.heap:
@@ -112,12 +112,11 @@ class ReasoningCycle:
         tasks, mailbox, alarms = state.tasks, state.mailbox, state.alarms.heap
         running, feedback = circumstance.running, circumstance.feedback
         logic.begin_instant()
-        # At one instant nothing from outside comes, so an agent that is never done is a loop.
+        # Without external input, an agent that does not finish is in an endless loop.
         for _ in range(self._max_cycles):
             has_work = circumstance.atomic is None and (running or circumstance.events)
             if not has_work and not self._goes_on():
                 return
-            # Each cycle has a budget of goals; one that has tried none needs no new one.
             if logic.goals_left != logic.max_goals:
                 logic.begin_cycle()
             circumstance.selected_event = circumstance.selected = None
@@ -159,7 +158,7 @@ class ReasoningCycle:
             raise EndlessProgramError([self.problem(f"{limit}: this plan does not end")])
 
     def _goes_on(self) -> bool:
-        """Return True if there is work, or if a plan for idle agents may apply."""
+        """Return whether there is work, or a plan for idle agents may apply."""
         state, circumstance = self._state, self._state.circumstance
         if state.percepts.changed or state.tasks or state.mailbox:
             return True
@@ -189,7 +188,7 @@ class ReasoningCycle:
             self._fall_asleep_or_wake()
         if state.mailbox:
             read(state, state.mailbox.popleft())
-        # After percepts and mail: those whose wait they end run on in this very cycle.
+        # After percepts and messages, so that waits which they end are resumed in this cycle.
         while state.tasks:
             state.tasks.popleft()()
         if state.circumstance.states is not None:
@@ -217,7 +216,7 @@ class ReasoningCycle:
         while circumstance.feedback:
             pending, outcome = circumstance.feedback.popleft()
             intention = pending.intention
-            # The intention was dropped, or has gone on without this outcome.
+            # The intention has ended or continued without this outcome.
             if circumstance.pending_actions.get(intention.number) is not pending:
                 continue
             circumstance.take_action(intention)

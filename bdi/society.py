@@ -133,9 +133,7 @@ class Society:
         self._members: dict[str, Member] = {}
         self._numbers = count(1)
         self._seeds: dict[int, str] = {}
-        #: Time up to which its agents have been advanced (s).
         self.now = 0.0
-        #: Numbers of the questions whose answers are waited for.
         self.awaited: set[int] = set()
         self.directory = Directory()
 
@@ -219,17 +217,16 @@ class Society:
         if not math.isfinite(time):
             raise ValueError(f"expected a time in seconds, found {time}")
         while True:
-            # From wake-up to wake-up of any of them: nobody is ahead of a message that is on its
-            # way to them.
+            # All agents advance to each wake-up, so that no agent is ahead of a message to it.
             due = [a.next_wakeup for a in self._members.values() if a.next_wakeup is not None]
             soonest = min((at for at in due if at < time), default=time)
             self.now = max(self.now, soonest)
-            # A copy: an action of one of them may add agents, or have some leave.
+            # A copy, because actions may add and remove agents.
             for agent in [*self._members.values()]:
                 if agent.now <= soonest and self._members.get(agent.name) is agent:
                     agent.advance(soonest)
-            # Those who were advanced first may have been written to by the others since, at the
-            # same time, and some may have joined.
+            # The agents that advanced first may have received messages from the others, and new
+            # agents may have joined.
             if soonest >= time and not any(self._is_due(a, time) for a in self._members.values()):
                 return
 

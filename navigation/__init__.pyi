@@ -7,6 +7,7 @@ from .field_design import needed_fields
 from .field_intrusions import FieldEntry, Intrusion, first_intrusion, intrusions
 from .field_lengths import FieldSupplements, ShortField, short_fields, stopping_reach
 from .fields import FieldGap, FieldSet, FieldSpan, ProtectiveFields
+from .gantry_planner import GantryPath, GantryPlanner
 from .kernels.encounter import Encounter
 from .kernels.results import Enclosure
 from .kernels.watch import Apart, Approaching, Condition, Moving, Overlapping, TooClose
@@ -21,7 +22,7 @@ from .monitor import (
 )
 from .motion import Motion, Piece, join, standing
 from .moving_obstacles import Mover, plan_among
-from .planner import GantryPath, GantryPlanner, PathPlanner
+from .planner import PathPlanner
 from .separation import (
     ApproachLaw,
     FixedDistance,

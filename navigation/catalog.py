@@ -276,7 +276,7 @@ def _snake(name: str) -> str:
 
 
 def set_parameter(planner: Any, parameter: str, value: object) -> None:
-    """Set a parameter of OMPL's `planner` by name. `UserError` if the value is invalid."""
+    """Set a parameter of an OMPL planner by name. `UserError` if the value is invalid."""
     (camel,) = (m[3:] for m in dir(planner) if m[:3] == "set" and _snake(m[3:]) == parameter)
     now = getattr(planner, f"get{camel}")()
     getattr(planner, f"set{camel}")(fit(parameter, value, now))
@@ -309,7 +309,7 @@ class PlannerChoice:
     """Planner by name with its parameters.
 
     The name is one of `planners()`, or `package.module:Class` of a custom planner. After the
-    import, `kind` is its class, a subclass of `ompl.base.Planner`.
+    import, `kind` is its class, derived from `ompl.base.Planner`.
     """
 
     name: str = ROADMAP

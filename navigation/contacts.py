@@ -14,7 +14,7 @@ from .kernels.encounter import Encounter
 from .kernels.numbers import numbers
 from .motion import Motion, Table
 
-Bounds = tuple[float, float, float, float]
+Extent = tuple[float, float, float, float]
 """Minimum x and y, maximum x and y, metres."""
 
 
@@ -34,7 +34,7 @@ def shrunk(area: BaseGeometry, depth: float) -> BaseGeometry:
     return shapely.buffer(area, -depth, join_style="mitre", mitre_limit=100.0)
 
 
-def bounds_from(motion: Motion, begin: float) -> Bounds:
+def bounds_from(motion: Motion, begin: float) -> Extent:
     """Return the bounds of a motion from `begin` (seconds) on."""
     return places(motion.table, begin)
 

@@ -313,8 +313,8 @@ class ProtectiveFields:
                 first = each.direction[0]
                 turns = [a for one in sets for a in one.direction or ()]
                 around = _parts(each.direction, [first + (a - first) % math.tau for a in turns])
-            for part, turn, way in _untaken(linear, theta, around, sets):
-                parts[replace(each, linear=part, theta=turn, direction=way)] = None
+            for part in _untaken(linear, theta, around, sets):
+                parts[replace(each, **part._asdict())] = None
         return tuple(parts)
 
     def _for(self, loaded: bool) -> tuple[FieldSet, ...]:
@@ -397,9 +397,17 @@ def _meets(one: _Range, other: _Range) -> bool:
     return low <= high + SPEED_TOLERANCE
 
 
+class _Velocities(NamedTuple):
+    """Ranges of speed, turn rate and direction."""
+
+    linear: _Range
+    theta: _Range
+    direction: _Range | None
+
+
 def _untaken(
     linear: _Range, theta: _Range, around: Sequence[_Range | None], sets: Sequence[FieldSet]
-) -> Iterator[tuple[_Range, _Range, _Range | None]]:
+) -> Iterator[_Velocities]:
     """Yield the ranges of speed, turn rate and direction without any of some sets."""
     turns = _parts(theta, [limit for each in sets for limit in each.theta])
     parts = _parts(linear, [limit for each in sets for limit in each.linear])
@@ -408,7 +416,7 @@ def _untaken(
         for is_taken, group in itertools.groupby(zip(taken, parts, strict=True), itemgetter(0)):
             if not is_taken:
                 run = [part for _, part in group]
-                yield (run[0][0], run[-1][1]), turn, way
+                yield _Velocities((run[0][0], run[-1][1]), turn, way)
 
 
 def _parts(whole: _Range, cuts: Sequence[float]) -> list[_Range]:

@@ -17,6 +17,7 @@ from floorplan import Gate
 from floorplan.model import free_area
 
 from .bodies import CollisionBody, region
+from .contacts import Extent
 from .freespace import FreeSpace, Gates, Narrows, Walls, narrows, shrunk, without
 from .roadmap import Roadmap
 
@@ -34,10 +35,6 @@ _AROUND = 10.0
 
 _SIDE = 4.0
 """Metres. Longer sides of a floor are split for FCL, because slim triangles are slow."""
-
-Bounds = tuple[float, float, float, float]
-"""Minimum x and y, maximum x and y, in metres."""
-
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -73,7 +70,7 @@ def floor(
 
 
 @_cached(MOST_KEPT)
-def solid(floor: shapely.Geometry, bounds: Bounds) -> Any:
+def solid(floor: shapely.Geometry, bounds: Extent) -> Any:
     """Return the FCL object of the complement of `floor`, with a rim around its `bounds`."""
     rim = shapely.box(*bounds).buffer(_AROUND, join_style="mitre")
     return region(rim.difference(floor).segmentize(_SIDE))

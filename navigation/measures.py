@@ -299,18 +299,24 @@ class _Tally:
         ]
 
 
-def _common_stretches(
-    motions: Sequence[Motion], spans: Array
-) -> tuple[Array, NDArray[np.bool_], Array]:
-    """Return stretches in each of which every motion is one cubic.
+class _CommonStretches(NamedTuple):
+    """Stretches of several motions: durations (S,), presence (motions, S), and cubics.
 
-    They consist of durations (S,), a mask of the motions whose spans contain them (motions, S), and
-    the cubics (motions, S, 3, 4).
+    The cubics have the shape (motions, S, 3, 4).
     """
+
+    durations: Array
+    there: NDArray[np.bool_]
+    cubics: Array
+
+
+def _common_stretches(motions: Sequence[Motion], spans: Array) -> _CommonStretches:
+    """Return stretches in each of which every motion is one cubic."""
     cuts = _cuts(motions, spans)
     begins = cuts[:-1]
     there = (spans[:, :1] <= begins) & (begins < spans[:, 1:])
-    return np.diff(cuts), there, np.array([motion.cubics(begins) for motion in motions])
+    cubics = np.array([motion.cubics(begins) for motion in motions])
+    return _CommonStretches(np.diff(cuts), there, cubics)
 
 
 def _cuts(motions: Sequence[Motion], spans: Array) -> Array:

@@ -46,7 +46,7 @@ class Mesh:
 
     `corners` (T, 3, 2) has the corners of each, counterclockwise. `portals` (P, 6) has x and y of
     the right and of the left end, as seen from the first triangle, and the indices of both
-    triangles, sorted by the first. Those of triangle t begin at row `first[t]` (T + 1,). Units are
+    triangles, sorted by the first. Rows of triangle t begin at `first[t]` (T + 1,). Units are
     metres. No side between tiles passes through one of the `bends` (N, 2).
     """
 

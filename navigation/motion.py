@@ -269,10 +269,10 @@ class Motion:
         if last is not None and last[0] == t:
             return last[1]
         t = float(t)
-        found_state = State(*state(self.table, t))
+        evaluated = State(*state(self.table, t))
         # A motion never changes, so the cache stays valid.
-        cache["known"] = (t, found_state)
-        return found_state
+        cache["known"] = (t, evaluated)
+        return evaluated
 
     def state_before(self, t: float) -> State:
         """Return the state just before `t`, before a change or a jump at that time."""

@@ -230,7 +230,7 @@ def plan_among(
         for passage in _passages(path, watches, at, heading, limits, patience, latest):
             best, latest = passage, passage.arrives
         if best is None:
-            # Other paths are longer. So nobody arrives before a body occupies the goal for good.
+            # Other paths are longer. So no passage arrives before a body stays on the goal.
             if at + path.length / max_speed >= latest:
                 break
         elif sum(wait for _, wait in best.waits) <= _BRIEF:

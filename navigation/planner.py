@@ -1,124 +1,26 @@
-"""Path planning for people and for the gantry, with explanations when there is no path."""
+"""Path planning for people."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike
 
-from floorplan import Floorplan, Point, UserError
-from floorplan.files.problems import metres
+from floorplan import Point, UserError
 from floorplan.files.values import require
 
-from .bodies import Disc
 from .catalog import ROADMAP, Path, PlannerChoice, PlanningError, Reason, Setting, Watch
-from .freespace import STEP, FreeSpace, Gates
+from .freespace import STEP, Gates
 from .kernels.walks import distinct, is_place
+from .obstruction import blocked_place, explain_cut_off
 from .roadmap import HAIR, Roadmap
 from .roadmap_planner import SLACK, RoadmapQuestions
 from .sampling import OmplQuery, sample_path
 from .world import CollisionWorld
-
-_HALVINGS = 8
-"""Number of bisections of the radius at which a path opens, to 0.4 % of the radius."""
-
-_WIDER = 1.01
-"""Factor to the next radius if rounding admits one that does not fit."""
-
-_QUARTER = 8
-"""Sides of a quarter circle in computations for messages."""
-
-
-def blocked_place(world: CollisionWorld, place: Point, end: str, radius: float) -> str:
-    """Return why a disc of `radius` metres cannot be at `place`, the `end` of a path."""
-    name, gap = world.nearest(place)
-    at = f"the {end} ({place[0]:g}, {place[1]:g})"
-    if name == "boundary" and gap == 0:
-        return f"{at} is outside the boundary"
-    if gap == 0:
-        return f"{at} is inside {name}"
-    what = "the boundary" if name == "boundary" else name
-    return f"{at} is {metres(gap, radius)} m from {what}; a radius of {radius:g} m does not fit"
-
-
-def explain_cut_off(
-    world: CollisionWorld, start: Point, goal: Point, radius: float
-) -> Callable[[], str]:
-    """Return a function that explains why there is no path from `start` to `goal` at present.
-
-    The explanation takes longer than the proof, so it is computed when it is read.
-    """
-    now = world.as_if()
-    return lambda: _cut_off(now, start, goal, radius)
-
-
-def _cut_off(world: CollisionWorld, start: Point, goal: Point, radius: float) -> str:
-    """Find the radius at which `start` and `goal` become connected, by bisection."""
-    between = f"from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g})"
-    walkable = world.walkable
-    space = world.free_space(radius + HAIR)
-    if space.together(start, goal):
-        gates = " or ".join(world.gates.closing(space, start))
-        return f"no way leads {between} but through {gates}, against the direction"
-    fits, apart = 0.0, FreeSpace(walkable)
-    if not apart.together(start, goal):
-        link = _link(apart, start, goal)
-        crossed = [name for name, shape in world.things() if link.intersects(shape)]
-        walls = " with ".join(crossed) or "the boundary"
-        return f"no way, however narrow, leads {between}: {walls} cuts it off"
-    too_wide = radius
-    # Finer corners than those of the planner may open a gap, so try a larger radius.
-    while (apart := _space(walkable, too_wide)).together(start, goal):
-        too_wide *= _WIDER
-    # Bisect between a disc that passes and one that does not.
-    for _ in range(_HALVINGS):
-        middle = (fits + too_wide) / 2
-        narrower = _space(walkable, middle)
-        if narrower.together(start, goal):
-            fits = middle
-        else:
-            too_wide, apart = middle, narrower
-    fits = min(fits, radius)
-    place = shapely.line_interpolate_point(_link(apart, start, goal), 0.5, normalized=True)
-    one, other = _nearest_two(world, place)
-    n = _digits(fits, radius)
-    return (
-        f"no way leads {between} for a radius of {radius:.{n + 1}g} m: the widest one is"
-        f" {2 * fits:.{n}f} m wide between {one} and {other} at ({place.x:.2f}, {place.y:.2f}),"
-        f" and {2 * radius:.{n}f} m are needed; a radius up to {fits:.{n}f} m would pass"
-    )
-
-
-def _space(walkable: shapely.Geometry, radius: float) -> FreeSpace:
-    """Return the free space of a disc of `radius` metres with coarse corners."""
-    return FreeSpace(walkable.buffer(-radius, quad_segs=_QUARTER))
-
-
-def _digits(fits: float, radius: float) -> int:
-    """Return the number of decimals that distinguish both radii."""
-    return next(n for n in range(2, 9) if n == 8 or f"{fits:.{n}f}" != f"{radius:.{n}f}")
-
-
-def _link(space: FreeSpace, start: Point, goal: Point) -> shapely.Geometry:
-    """Return the shortest line between the pieces of `space` that contain start and goal."""
-    ends = [
-        shapely.Point(place) if (piece := space.piece_of(place)) is None else space.pieces[piece]
-        for place in (start, goal)
-    ]
-    return shapely.shortest_line(*ends)
-
-
-def _nearest_two(world: CollisionWorld, place: shapely.Point) -> tuple[str, str]:
-    gaps = [("the boundary", float(world.plan.boundary.exterior.distance(place)))]
-    gaps += [(name, float(shape.distance(place))) for name, shape in world.things()]
-    (one, _), (other, _) = sorted(gaps, key=lambda named: named[1])[:2]
-    return one, other
-
 
 COARSE = math.radians(15.0)
 """Default turn of a path per waypoint in radians."""
@@ -365,7 +267,7 @@ class PathPlanner:
         return partial(blocked_place, self.world.as_if(), place, end, self.radius)
 
     def _cached_footing(self, place: Point, end: str, tolerance: float) -> Point:
-        """Return `_footing` from the cache, because most goals are stations."""
+        """Return `_footing` with a cache, because most goals are stations."""
         if not self._keep:
             return self._footing(place, end, tolerance)
         footing = self._footings.get((place, tolerance))
@@ -402,140 +304,3 @@ def _place(at: ArrayLike, end: str) -> Point:
     if position.shape != (2,) or not np.isfinite(position).all():
         raise UserError(f"the {end} must be a finite x and y, found {at!r}")
     return (float(position[0]), float(position[1]))
-
-
-Pose = tuple[float, float, float]
-"""x, y in metres, rotation in radians."""
-
-BEND = math.radians(30.0)
-"""Maximum turn per waypoint of a gantry's path in radians. The gantry stops at each waypoint."""
-
-_LEAST = 1e-3
-"""Minimum radius of a disc to keep out of, in metres."""
-
-
-class GantryPath(Path):
-    """Path of the gantry's axis with its rotation.
-
-    `points` have the shape (N, 3): x and y in metres, and the rotation in radians.
-    """
-
-
-class GantryPlanner:
-    """Planner of paths for the gantry of a floorplan, with its arm folded.
-
-    Torso and folded arm count as a disc around the axis, so the rotation is free everywhere. Lower
-    obstacles are crossed.
-
-    Parameters
-    ----------
-    plan : Floorplan
-        Floorplan with a gantry.
-    agvs : mapping of str to float or str, optional
-        AGVs that are obstacles, with lane positions in metres or locations. By default none,
-        because the gantry works above them.
-
-    Raises
-    ------
-    floorplan.UserError
-        If the floorplan has no gantry.
-    """
-
-    def __init__(self, plan: Floorplan, *, agvs: Mapping[str, float | str] | None = None) -> None:
-        if plan.gantry is None:
-            raise UserError(f"{plan.name} has no gantry")
-        self.gantry = plan.gantry
-        length, width = plan.gantry.torso[:2]
-        self.radius = max(plan.gantry.arm_reach, math.hypot(length, width) / 2)
-        counted = dict(agvs or {})
-        self._world = CollisionWorld(
-            Floorplan(
-                name=plan.name,
-                boundary=self._range(),
-                obstacles=plan.obstacles,
-                lanes=tuple(lane for lane in plan.lanes if lane.name in counted),
-            ),
-            bottom=min(plan.gantry.torso[2], plan.gantry.arm_bottom),
-            top=plan.gantry.torso[3],
-        )
-        for name, at in counted.items():
-            self._world.move_agv(name, at)
-        self._paths = PathPlanner(self._world, self.radius, step=BEND)
-
-    def plan(
-        self,
-        start: Pose,
-        goal: Pose,
-        *,
-        keep_out: Sequence[tuple[float, float, float]] = (),
-        planner: PlannerChoice | str = ROADMAP,
-        parameters: Mapping[str, Setting] | None = None,
-        seed: int = 0,
-    ) -> GantryPath:
-        """Return a path of the axis from `start` to `goal`.
-
-        Parameters
-        ----------
-        start, goal : tuple of float
-            x and y in metres, and the rotation in radians.
-        keep_out : sequence of tuple of float, optional
-            Discs (x, y, radius) in metres that the axis stays out of. It also keeps the arm's reach
-            from their centres. From inside a disc, it comes no closer to the centre.
-        planner, parameters, seed
-            See `PathPlanner.plan`.
-
-        Returns
-        -------
-        GantryPath
-            Path with the rotation in proportion to the length.
-
-        Raises
-        ------
-        PlanningError
-            If there is no path, with the reason.
-        floorplan.UserError
-            If a pose is outside the range of an axis.
-        """
-        for pose, end in ((start, "start"), (goal, "goal")):
-            self._check_range(pose, end)
-        discs = {}
-        for k, (x, y, radius) in enumerate(keep_out):
-            # From inside a disc, plan with a smaller one that ends just before the start.
-            away = math.dist((x, y), start[:2]) - 2 * HAIR
-            # The planner adds its own radius to all obstacles.
-            solid = max(min(radius, away) - self.radius, _LEAST)
-            discs[f"keep out {k}"] = Disc((x, y), solid)
-        try:
-            for name, disc in discs.items():
-                self._world.place(name, disc)
-            path = self._paths.plan(
-                start[:2], goal[:2], planner=planner, parameters=parameters, seed=seed
-            )
-        finally:
-            for body in self._world.bodies:
-                if body.name in discs:
-                    self._world.remove(body.name)
-        so_far = np.append(0.0, np.cumsum(np.hypot(*np.diff(path.points, axis=0).T)))
-        share = so_far / so_far[-1] if so_far[-1] > 0 else np.array([0.0, 1.0])
-        turned = start[2] + share * (goal[2] - start[2])
-        return GantryPath(
-            points=np.column_stack([path.points, turned]),
-            clear=lambda: path.clearance,
-            planner=path.planner,
-        )
-
-    def _range(self) -> shapely.Polygon:
-        """Return the area that the envelope can cover: the axes' ranges with a margin."""
-        x, y = self.gantry.x, self.gantry.y
-        room = self.radius + 2 * HAIR
-        return shapely.box(x.low - room, y.low - room, x.high + room, y.high + room)
-
-    def _check_range(self, pose: Pose, end: str) -> None:
-        if len(pose) != 3:
-            raise UserError(f"the {end} must be x, y and a rotation, found {pose!r}")
-        for name, axis, at in zip(("x", "y", "rotation"), self.gantry.axes, pose, strict=True):
-            if not axis.low - HAIR <= at <= axis.high + HAIR:
-                raise UserError(
-                    f"the {end}'s {name} = {at:g} is outside the gantry's range"
-                    f" {axis.low:g} … {axis.high:g}"
-                )

@@ -178,12 +178,12 @@ class RoadmapSearch:
 
         Results for the floor alone are cached with the roadmap.
         """
-        links, known = self._links, roadmap.verdicts.get((a, b))
-        if known is None:
+        links, free = self._links, roadmap.verdicts.get((a, b))
+        if free is None:
             links.among = []
-            known = roadmap.verdicts[a, b] = self._ask(a, b)
+            free = roadmap.verdicts[a, b] = self._ask(a, b)
             links.among = None
-        return known and not links.hit(a, b)
+        return free and not links.hit(a, b)
 
     def _hopeless(self) -> bool:
         """Return whether a proof exists that there is no path."""

@@ -113,11 +113,11 @@ class OmplSetup:
     """
 
     def __init__(self, query: OmplQuery, limit: float = math.inf) -> None:
-        self._query = query
         self._floor = OmplFloor(query.low, query.high, query.free, limit)
         self.information: Any = self._floor.information
         self._setup: Any = og.SimpleSetup(self.information)
-        self._setup.setStartAndGoalStates(self.state(query.start), self.state(query.goal))
+        start, goal = (state_at(self.information, end) for end in (query.start, query.goal))
+        self._setup.setStartAndGoalStates(start, goal)
         self.planner: Any = None
         self.solved = False
         """Whether the planner has reported a solution."""
@@ -132,18 +132,6 @@ class OmplSetup:
         """Return the exact path of the planner before the condition `until`, or None."""
         self.solved = self._setup.solve(until).getStatus() == ob.PlannerStatus.EXACT_SOLUTION
         return self._setup.getSolutionPath() if self._setup.haveExactSolutionPath() else None
-
-    def points(self, path: Any) -> list[Point]:
-        """Return the places of an OMPL path from the start to the goal, without repetitions."""
-        return points_of(path, self._query.start, self._query.goal)
-
-    def path(self, points: list[Point]) -> Any:
-        """Return OMPL's path along `points`."""
-        return path_along(self.information, points)
-
-    def state(self, place: Point) -> Any:
-        """Return OMPL's state at `place`."""
-        return state_at(self.information, place)
 
     def release(self) -> None:
         """Release OMPL's objects in a safe order."""
@@ -302,7 +290,7 @@ class _Search:
         self._setup.use(planner)
         if choice.name in ("PRM", "PRMstar"):
             points = self._through_roadmap()
-            return points and self._finished(self._setup.path(points))
+            return points and self._finished(path_along(self._setup.information, points))
         path = self._setup.solve(self._budget())
         if path is None:
             if choice.kind is not None and self._setup.solved:
@@ -363,7 +351,7 @@ class _Search:
         self._watch.solved()
         if self._settings.simplify:
             og.PathSimplifier(self._setup.information).simplifyMax(path)
-        return self._setup.points(path)
+        return points_of(path, self._query.start, self._query.goal)
 
 
 def _how(kind: type, why: Exception) -> str:

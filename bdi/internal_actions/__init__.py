@@ -1,4 +1,4 @@
-"""The internal actions that every program can use; each module here adds its own."""
+"""Standard internal actions, registered by the modules of this package."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from . import (  # noqa: F401 - each adds its actions to the registry
     time,
 )
 
-#: All of them; an agent may be given more.
 STANDARD: Mapping[str, InternalAction] = MappingProxyType(registry.STANDARD)
 
 __all__ = ["STANDARD"]

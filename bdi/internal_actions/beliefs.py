@@ -46,13 +46,13 @@ def abolish(call: Call, pattern: Term) -> bool:
 
 @STANDARD.add(".perceive", most=0)
 def perceive(call: Call) -> bool:
-    """Do nothing: percepts are believed as soon as they come."""
+    """Do nothing, because percepts are believed immediately."""
     return True
 
 
 @STANDARD.add(".asserta", least=1, most=1)
 def asserta(call: Call, belief: Term) -> bool:
-    """Add a belief or a rule before the others, with source `self` if it names none."""
+    """Add a belief or a rule before the others, by default with the source `self`."""
     if isinstance(belief, RuleTerm):
         rule = belief.rule
         call.agent.beliefs.add_rule(Rule(with_source(rule.head), rule.body, rule.place))
@@ -63,7 +63,7 @@ def asserta(call: Call, belief: Term) -> bool:
 
 @STANDARD.add(".assertz", least=1, most=1)
 def assertz(call: Call, belief: Term) -> bool:
-    """Add a belief or a rule after the others, with the sources that it names and no other."""
+    """Add a belief or a rule after the others, without a default source."""
     if isinstance(belief, RuleTerm):
         call.agent.beliefs.add_rule(belief.rule, at_end=True)
     else:
@@ -73,10 +73,10 @@ def assertz(call: Call, belief: Term) -> bool:
 
 @STANDARD.add(".belief", least=1, most=1)
 def belief(call: Call, pattern: Term) -> Iterator[Unifier]:
-    """Yield an answer for each belief, and none for what rules derive."""
+    """Yield an answer for each stored belief, without rules."""
     if isinstance(pattern, Literal | Var | Qualified):
-        found = call.agent.beliefs.matching(pattern, call.unifier)
-        yield from call.each(pattern, found)
+        beliefs = call.agent.beliefs.matching(pattern, call.unifier)
+        yield from call.each(pattern, beliefs)
 
 
 @STANDARD.add(".relevant_rules", least=2, most=2)
@@ -106,19 +106,19 @@ def list_rules(call: Call) -> bool:
 
 
 def answers(call: Call, term: Term, formula: Term) -> list[Term]:
-    """Return a term as it is in each solution of a formula."""
+    """Return the values of a term in all solutions of a formula."""
     return [substitute(term, u) for u in call.agent.logic.solutions(formula, call.unifier)]
 
 
 @STANDARD.add(".findall", least=3, most=3)
 def findall(call: Call, term: Term, formula: Term, result: Term) -> object:
-    """`.findall(T, F, L)`: a term as it is in each answer of a formula."""
+    """`.findall(T, F, L)`: the values of a term in all solutions of a formula."""
     return call.unify(result, call.agent.logic.collected(term, formula, call.unifier))
 
 
 @STANDARD.add(".setof", least=3, most=3)
 def setof(call: Call, term: Term, formula: Term, result: Term) -> object:
-    """`.setof(T, F, L)`: as `.findall`, in standard order and each once."""
+    """`.setof(T, F, L)`: as `.findall`, in standard order without duplicates."""
     return call.unify(result, make_list(distinct(answers(call, term, formula))))
 
 
@@ -149,7 +149,7 @@ def add_annot(call: Call, term: Term, annot: Term, result: Term) -> object:
 
 @STANDARD.add(".add_nested_source", least=3, most=3)
 def add_nested_source(call: Call, term: Term, source: Term, result: Term) -> object:
-    """`.add_nested_source(T, S, R)`: a literal, or each of a list, as S would tell it."""
+    """`.add_nested_source(T, S, R)`: a literal, or each of a list, as reported by S."""
     return call.unify(nested_source(term, source), result)
 
 
@@ -161,7 +161,7 @@ def remove_source_annot(call: Call, term: Term, result: Term, *source: Term) -> 
 
 @STANDARD.add(".eval", least=2, most=2)
 def evaluate(call: Call, result: Term, formula: Term) -> object:
-    """`.eval(R, F)`: true or false, as a formula holds."""
+    """`.eval(R, F)`: whether a formula holds."""
     solution = condition(formula)(call.agent.logic, call.unifier)
     return call.unify(result, FALSE if solution is None else TRUE)
 
@@ -169,13 +169,13 @@ def evaluate(call: Call, result: Term, formula: Term) -> object:
 @STANDARD.add(".copy_term", least=2, most=2)
 @STANDARD.add(".rename_apart", least=2, most=2)
 def copy_term(call: Call, term: Term, copy: Term) -> object:
-    """Unify with a copy of a term whose variables are new."""
+    """Unify with a copy of a term with fresh variables."""
     return call.unify(rename(term, call.agent.names, {}), copy)
 
 
 @STANDARD.add(".namespace", least=1, most=1)
 def namespace(call: Call, name: Term) -> object:
-    """Yield the namespaces of the beliefs and plans there are, without local ones."""
+    """Yield the namespaces of beliefs and plans, without local ones."""
     agent = call.agent
     functors = [belief.functor for belief in agent.beliefs]
     functors += [p.literal.functor for p in agent.plans if isinstance(p.literal, Literal)]
@@ -185,7 +185,7 @@ def namespace(call: Call, name: Term) -> object:
 
 @STANDARD.add(".include", least=1, most=2)
 def include(call: Call, name: Term, *namespace: Term) -> object:
-    """Add the plans of a file after those there are, and its beliefs and goals.
+    """Add the plans of a file after the others, then its beliefs and goals.
 
     An unbound namespace becomes a new one.
     """
@@ -198,11 +198,11 @@ def include(call: Call, name: Term, *namespace: Term) -> object:
     if not isinstance(name, str):
         raise wrong("include", "first argument must be a string.")
     agent = call.agent
-    found = find_included(name, agent.program.folder)
-    if isinstance(found, str):
-        raise ActionError(found)
+    path = find_included(name, agent.program.folder)
+    if isinstance(path, str):
+        raise ActionError(path)
     try:
-        add_program(agent, parse_file(found, namespace=space))
+        add_program(agent, parse_file(path, namespace=space))
     except ProgramError as error:
         raise ActionError(str(error)) from None
     return answer
@@ -238,7 +238,7 @@ def add_plan(call: Call, plans: Term, *more: Term) -> bool:
 
 @STANDARD.add(".remove_plan", least=1, most=2)
 def remove_plan(call: Call, labels: Term, *more: Term) -> bool:
-    """`.remove_plan(Label, Source?)`: take a source off plans; those without one are removed."""
+    """`.remove_plan(Label, Source?)`: remove a source of plans, and plans without sources."""
     source = Literal("source", (more[0] if more else Literal("self"),))
     for label in labels if isinstance(labels, Nil | Cons) else (labels,):
         if isinstance(label, PlanTerm):
@@ -267,20 +267,20 @@ def _relevant(call: Call, event: Term) -> list[LoadedPlan]:
             f"first argument '{text(event)}' must follow the syntax of a trigger.",
         )
     wanted = trigger.literal
-    found = []
+    relevant = []
     for plan in call.agent.plans.candidates(trigger.sort, wanted):
-        known = plan.plan.trigger.literal
-        fresh = rename(known, call.agent.names, {})
-        # A plan that asks for a source is relevant for an event that names none.
+        own = plan.plan.trigger.literal
+        fresh = rename(own, call.agent.names, {})
+        # A plan that requires a source is relevant for an event without one.
         if isinstance(wanted, Literal) and not has_source(wanted):
             fresh = without_source(fresh)
         if call.unify(fresh, wanted) is not None:
-            found.append(plan)
-    return found
+            relevant.append(plan)
+    return relevant
 
 
 def _as_term(call: Call, plan: LoadedPlan) -> PlanTerm:
-    """Return a plan as a term: with its label, and variables that are not those of the caller."""
+    """Return a plan as a term with its label and fresh variables."""
     labelled = PlanTerm(replace(plan.plan, label=plan.label))
     renamed = rename(labelled, call.agent.names, {})
     return renamed if isinstance(renamed, PlanTerm) else labelled
@@ -289,26 +289,26 @@ def _as_term(call: Call, plan: LoadedPlan) -> PlanTerm:
 @STANDARD.add(".relevant_plans", least=2, most=3)
 def relevant_plans(call: Call, event: Term, plans: Term, *labels: Term) -> object:
     """`.relevant_plans({+!g}, Ps, Labels?)`: the plans for an event, and their labels."""
-    found = _relevant(call, event)
-    terms: list[Term] = [make_list(_as_term(call, plan) for plan in found)]
+    relevant = _relevant(call, event)
+    terms: list[Term] = [make_list(_as_term(call, plan) for plan in relevant)]
     if labels:
-        terms.append(make_list(plan.label for plan in found))
+        terms.append(make_list(plan.label for plan in relevant))
     return call.unify(make_list(terms), make_list([plans, *labels]))
 
 
 @STANDARD.add(".relevant_plan", least=2, most=3)
 def relevant_plan(call: Call, event: Term, plan: Term, *label: Term) -> Iterator[Unifier]:
     """Yield an answer for each relevant plan."""
-    pairs = ([_as_term(call, found), found.label] for found in _relevant(call, event))
+    pairs = ([_as_term(call, loaded), loaded.label] for loaded in _relevant(call, event))
     return call.each(make_list([plan, *label]), (pair[: 1 + len(label)] for pair in pairs))
 
 
 @STANDARD.add(".plan_label", least=2, most=2)
 def plan_label(call: Call, plan: Term, label: Term) -> object:
-    """`.plan_label(P, Label)`: the plan that has a label."""
+    """`.plan_label(P, Label)`: the plan with a label."""
     name = label.functor if isinstance(label, Literal) else plain_text(label)
-    found = call.agent.plans.get(name)
-    return False if found is None else call.unify(_as_term(call, found), plan)
+    loaded = call.agent.plans.get(name)
+    return False if loaded is None else call.unify(_as_term(call, loaded), plan)
 
 
 @STANDARD.add(".list_plans", most=1)

@@ -14,7 +14,7 @@ from .registry import STANDARD, wrong
 
 
 class Container(Quoted):
-    """Base of the terms that hold others and are equal only to themselves."""
+    """Base of mutable terms that contain others and are equal only to themselves."""
 
     kind = ""
 
@@ -47,7 +47,7 @@ class MapTerm(Container):
 
 
 class SetTerm(Container):
-    """Terms, each once, in order."""
+    """Terms without duplicates, in order."""
 
     kind = "set"
 
@@ -65,7 +65,7 @@ class SetTerm(Container):
 
 
 class QueueTerm(Container):
-    """Terms in the order in which they came, or, with `priority`, in standard order."""
+    """Terms in order of arrival, or with `priority` in standard order."""
 
     kind = "queue"
 
@@ -76,7 +76,7 @@ class QueueTerm(Container):
             self.add(item)
 
     def add(self, item: Term) -> None:
-        """Put a term in its place."""
+        """Insert a term."""
         if self.priority:
             insort(self.items, item, key=standard_order)
         else:
@@ -108,7 +108,7 @@ def _elements(name: str, term: Term) -> list[Term]:
 
 
 def _on(kind: type[Container], name: str, change: Callable[..., object]) -> Callable[..., object]:
-    """Return the action that changes a container; an unbound variable becomes a new one."""
+    """Return the action that changes a container, or a new one for an unbound variable."""
 
     def act(call: Call, target: Term, *others: Term) -> object:
         if not isinstance(target, Var):
@@ -166,16 +166,16 @@ def put(call: Call, container: MapTerm, key: Term, value: Term) -> bool:
 
 def get(call: Call, container: MapTerm, key: Term, value: Term, *default: Term) -> object:
     """`.map.get(M, K, V, Default?)`: the value of a key, or the default."""
-    found = container.items.get(key, default[0] if default else None)
-    return False if found is None else call.unify(value, found)
+    item = container.items.get(key, default[0] if default else None)
+    return False if item is None else call.unify(value, item)
 
 
 def remove_key(call: Call, container: MapTerm, key: Term, *value: Term) -> object:
-    """`.map.remove(M, K, V?)`: remove a key, which there has to be; V is its value."""
-    found = container.items.pop(key, None)
-    if found is None:
+    """`.map.remove(M, K, V?)`: remove an existing key with the value V."""
+    item = container.items.pop(key, None)
+    if item is None:
         return False
-    return call.unify(value[0], found) if value else True
+    return call.unify(value[0], item) if value else True
 
 
 def keys(call: Call, container: MapTerm, key: Term) -> Iterator[Unifier]:
@@ -205,7 +205,7 @@ def add_all(call: Call, container: SetTerm | QueueTerm, elements: Term) -> bool:
 
 
 def remove(call: Call, container: SetTerm, element: Term) -> bool:
-    """`.set.remove(S, E)`: remove an element, which there has to be."""
+    """`.set.remove(S, E)`: remove an existing element."""
     if element not in container.items:
         return False
     container.items.remove(element)
@@ -213,13 +213,13 @@ def remove(call: Call, container: SetTerm, element: Term) -> bool:
 
 
 def intersection(call: Call, container: SetTerm, others: Term) -> bool:
-    """`.set.intersection(S, Es)`: keep what is among others as well."""
+    """`.set.intersection(S, Es)`: remove all elements that are not among others."""
     container.items.intersection_update(_elements("set.intersection", others))
     return True
 
 
 def difference(call: Call, container: SetTerm, others: Term) -> bool:
-    """`.set.difference(S, Es)`: remove all that is among others."""
+    """`.set.difference(S, Es)`: remove all elements that are among others."""
     container.items.difference_update(_elements("set.difference", others))
     return True
 
@@ -238,7 +238,7 @@ def take(call: Call, container: QueueTerm, element: Term) -> object:
 
 
 _Actions: TypeAlias = Mapping[str, tuple[Callable[..., object], int, int]]
-"""Functions, with the least and the largest number of arguments."""
+"""Functions, with the minimum and maximum number of arguments."""
 
 _COMMON: _Actions = {"clear": (_clear, 1, 1), "copy": (_copy, 2, 2), "to_list": (_to_list, 2, 2)}
 _OWN: Mapping[type[Container], _Actions] = {

@@ -1,4 +1,4 @@
-"""Internal actions on goals and intentions: drop, finish, suspend, resume, control structures."""
+"""Internal actions on goals and intentions: ending, suspending, control structures."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .registry import STANDARD, a_goal, a_literal, wrong
 
 @STANDARD.add(".drop_all_desires", most=0)
 def drop_all_desires(call: Call) -> bool:
-    """Drop all intentions but the one that calls, and the events of goals."""
+    """Drop all intentions but the calling one, and the events of goals."""
     call.agent.circumstance.clear_intentions()
     call.agent.circumstance.clear_events(only_goals=True)
     return True
@@ -34,7 +34,7 @@ def drop_all_desires(call: Call) -> bool:
 
 @STANDARD.add(".drop_all_intentions", most=0)
 def drop_all_intentions(call: Call) -> bool:
-    """Drop all intentions but the one that calls."""
+    """Drop all intentions but the calling one."""
     call.agent.circumstance.clear_intentions()
     return True
 
@@ -55,17 +55,14 @@ def drop_event(call: Call, goal: Term) -> bool:
 
 @STANDARD.add(".drop_desire", least=1, most=1)
 def drop_desire(call: Call, goal: Term) -> object:
-    """Drop a goal: its events and the intentions that have it."""
+    """Drop a goal: its events and its intentions."""
     drop_event(call, goal)
     return drop_intention(call, goal)
 
 
 @STANDARD.add(".drop_intention", most=1)
 def drop_intention(call: Call, *goal: Term) -> object:
-    """End the intentions that have a goal, or the one that calls.
-
-    One that ends itself carries out no further step: it is not put back among those that run.
-    """
+    """End the intentions with a goal, or the calling one, which carries out no further step."""
     agent = call.agent
     itself = not goal
     if goal:
@@ -115,13 +112,13 @@ def _intended(
 
 @STANDARD.add(".intend", least=1, most=2)
 def intend(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
-    """Yield the goals that are intended and not suspended."""
+    """Yield the goals of intentions that are not suspended."""
     return _intended(call, a_goal("intend", goal), identity, suspended=False)
 
 
 @STANDARD.add(".desire", least=1, most=2)
 def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
-    """Yield the goals that are intended, or whose event is to be dealt with."""
+    """Yield the goals of intentions and of queued events."""
     pattern = a_goal("desire", goal)
     circumstance = call.agent.circumstance
     events = (*circumstance.all_events(), *circumstance.suspended_events)
@@ -138,7 +135,7 @@ def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
 
 @STANDARD.add(".fail")
 def fail(call: Call, *annots: Term) -> bool:
-    """Fail the plan; the arguments annotate its `-!g` event."""
+    """Fail the plan. The arguments annotate its `-!g` event."""
     if not annots:
         return False
     message = "fail"
@@ -167,14 +164,14 @@ def fail_goal(call: Call, goal: Term) -> object:
 
 
 def _finish(call: Call, goal: Literal, *, failed: bool) -> object:
-    """Take a goal off all intentions, in whatever state they are, and off the events."""
+    """End a goal of intentions in any state, and of events."""
     finish = Finish(call.agent, Goals.of(goal), call.intention, failed=failed)
     return True if finish.everywhere(call.unifier) else WAITING
 
 
 @STANDARD.add(".done", most=1)
 def done(call: Call, *goal: Term) -> object:
-    """`.done` or `.done(g)`: a goal of this intention is achieved, the nearest if none is named."""
+    """`.done` or `.done(g)`: achieve a goal of this intention, by default the nearest."""
     intention = call.intention
     if intention is None:
         return False
@@ -192,7 +189,7 @@ def done(call: Call, *goal: Term) -> object:
 
 
 def _done_for(call: Call, whole: Intention, goals: Goals) -> object:
-    """Achieve a goal of the intention for which an event's plan works, and end that plan."""
+    """Achieve a goal of the intention for which a subplan works, and end that subplan."""
     circumstance = call.agent.circumstance
     outcome = Finish(call.agent, goals, None).take(whole, call.unifier)
     if outcome:
@@ -207,7 +204,7 @@ def _done_for(call: Call, whole: Intention, goals: Goals) -> object:
 
 
 def _current(call: Call) -> Intention | None:
-    """Return the intention that is carried out, or for whose event a plan is looked for."""
+    """Return the running intention, or the one whose event is being handled."""
     circumstance = call.agent.circumstance
     event = circumstance.selected_event
     selected = call.intention or circumstance.selected
@@ -222,16 +219,16 @@ def current_intention(call: Call, description: Term) -> object:
 
 
 def intention(call: Call, number: Term, state: Term, *more: Term) -> Iterator[Unifier]:
-    """`.intention(Number, State, Stack?, current?)`, for each intention or the one that calls."""
+    """`.intention(Number, State, Stack?, current?)`, for each intention or the calling one."""
     circumstance = call.agent.circumstance
     current = _current(call)
     only_current = len(more) > 1 and text(more[1]) == "current"
     for one in list(circumstance.intentions()):
         if only_current and one is not current:
             continue
-        # What an intention waits for may have variables of its plan, not of the caller's.
-        found = rename(_state(circumstance, one, only_current), call.agent.names, {})
-        terms: list[Term] = [float(one.number), found]
+        # Variables of the plans are renamed, because the caller may use the same names.
+        description = rename(_state(circumstance, one, only_current), call.agent.names, {})
+        terms: list[Term] = [float(one.number), description]
         if more:
             terms.append(_described(call, one).args[1])
         solution = call.unify(make_list([number, state, *more[:1]]), make_list(terms))
@@ -240,7 +237,7 @@ def intention(call: Call, number: Term, state: Term, *more: Term) -> Iterator[Un
 
 
 def _state(circumstance: Circumstance, one: Intention, is_current: bool) -> Literal:
-    """Return the state of an intention: running, suspended, or waiting and for what."""
+    """Return the state of an intention: running, suspended, or waiting with the reason."""
     if is_current:
         return Literal("running")
     if one.number in circumstance.pending_actions:
@@ -260,12 +257,12 @@ def _one_or_all(call: Call, *args: Term) -> object:
 
 
 def _described(call: Call, intention: Intention) -> Literal:
-    """Return an intention as a term, whose variables are not those of the plans in it."""
+    """Return an intention as a term with fresh variables."""
     return rename(_description(intention), call.agent.names, {})
 
 
 def _label(means: Means) -> Literal:
-    """Return the label of a plan, with its place as annotations."""
+    """Return the label of a plan, annotated with its location."""
     place = means.plan.plan.place
     if not place.line:
         return means.plan.label
@@ -279,7 +276,7 @@ def _description(intention: Intention) -> Literal:
         left = []
         step = means.step
         while step is not None:
-            if step.operation != "join":  # the end of a branch, which is written nowhere
+            if step.operation != "join":  # the end of a branch, which is not in the source
                 left.append(step.formula)
             step = step.next
         bindings = make_list(
@@ -292,7 +289,7 @@ def _description(intention: Intention) -> Literal:
 
 @STANDARD.add(".suspend", most=1)
 def suspend(call: Call, *goal: Term) -> object:
-    """`.suspend(G?)`: suspend what has a goal, or the intention that calls."""
+    """`.suspend(G?)`: suspend the intentions with a goal, or the calling one."""
     circumstance = call.agent.circumstance
     reason = Literal("suspend_ia")
     if not goal:
@@ -330,7 +327,7 @@ def suspend(call: Call, *goal: Term) -> object:
 def _suspend_events(
     circumstance: Circumstance, wanted: Literal, u: Unifier, reason: Literal
 ) -> None:
-    """Put off the events of a goal, and those for which an intention waits that has it."""
+    """Suspend the events of a goal, and those of intentions with the goal."""
     states = circumstance.states
     for event in circumstance.all_events():
         intention = event.intention
@@ -354,7 +351,7 @@ def _is_goal(event: Event, wanted: Literal, u: Unifier) -> bool:
 
 @STANDARD.add(".resume", least=1, most=1)
 def resume(call: Call, goal: Term) -> object:
-    """`.resume(G)`: let go on what is suspended and has a goal."""
+    """`.resume(G)`: resume the suspended intentions with a goal."""
     wanted = a_literal("resume", goal)
     circumstance = call.agent.circumstance
     u, states, reason = dict(call.unifier), circumstance.states, Literal("resume_ia")
@@ -388,7 +385,7 @@ def resume(call: Call, goal: Term) -> object:
 
 @STANDARD.add(".suspended", least=1, most=2)
 def suspended(call: Call, goal: Term, *reason: Term) -> object:
-    """`.suspended(G, R?)`: hold if an intention that has a goal is suspended or waits; R is why."""
+    """`.suspended(G, R?)`: whether an intention with a goal is suspended or waits for R."""
     wanted = a_literal("suspended", goal)
     circumstance = call.agent.circumstance
     waiting = [
@@ -411,9 +408,9 @@ def _body(name: str, term: Term) -> Body:
 
 
 def _carry_out(call: Call, formula: BodyFormula) -> Waiting:
-    """Carry a control structure out in place of the step that calls."""
+    """Carry out a control structure in place of the calling step."""
     intention = call.intention
-    assert intention is not None  # none of them is allowed in a context
+    assert intention is not None  # control structures are not allowed in contexts
     means = intention.top
     means.step = compile_body((formula,), None if means.step is None else means.step.next)
     assert means.step is not None  # it begins with the formula
@@ -437,7 +434,7 @@ def loop(call: Call, condition: Term, body: Term) -> Waiting:
 
 @STANDARD.add(".foreach", least=2, most=2, in_context=False)
 def foreach(call: Call, generator: Term, body: Term) -> Waiting:
-    """`.foreach(F, {a})`: carry out a body for each answer of a formula."""
+    """`.foreach(F, {a})`: carry out a body for each solution of a formula."""
     return _carry_out(call, For(generator, _body("foreach", body)))
 
 

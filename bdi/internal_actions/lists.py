@@ -38,14 +38,14 @@ from .registry import STANDARD, a_list, a_number, wrong
 
 @STANDARD.add(".length", least=2, most=2)
 def length(call: Call, value: Term, result: Term) -> object:
-    """`.length(L, N)`: number of elements, or of characters; nothing else has a length."""
+    """`.length(L, N)`: number of elements or characters."""
     if not isinstance(value, str | Nil | Cons | Container):
         return False
     return call.unify(result, len(value))
 
 
 MAX_LENGTH = 100_000
-"""Largest number of elements of a list, or characters of a text, that `.concat` makes."""
+"""Maximum number of elements or characters of a result of `.concat`."""
 
 
 @STANDARD.add(".member", least=2, most=2)
@@ -57,7 +57,7 @@ def member(call: Call, element: Term, elements: Term) -> Iterator[Unifier]:
 
 @STANDARD.add(".concat", least=2)
 def concat(call: Call, *terms: Term) -> object:
-    """Join lists, or the texts of anything else; the last argument is the result."""
+    """Join lists, or the texts of other terms. The last argument is the result."""
     *parts, result = terms
     if isinstance(parts[0], Nil | Cons):
         if not isinstance(result, Var | Nil | Cons):
@@ -93,7 +93,7 @@ def _bare(term: Term) -> str:
 
 @STANDARD.add(".nth", least=3, most=3)
 def nth(call: Call, index: Term, elements: Term, element: Term) -> object:
-    """`.nth(I, L, E)`: an element by its position from 0; an answer for each where I is unbound."""
+    """`.nth(I, L, E)`: the element at position I from 0, or all positions if I is unbound."""
     if not isinstance(index, float | Var):
         raise wrong(
             "nth", f"the first argument should be numeric or a variable -- not '{text(index)}'."
@@ -150,7 +150,7 @@ def sort(call: Call, elements: Term, result: Term) -> object:
 
 @STANDARD.add(".reverse", least=2, most=2)
 def reverse(call: Call, value: Term, result: Term) -> object:
-    """`.reverse(L, R)`: a list or a string backwards."""
+    """`.reverse(L, R)`: a list or a string in reverse order."""
     if isinstance(value, Nil | Cons):
         rest = value.open_tail if isinstance(value, Cons) else None
         backwards = make_list(reversed(list(value)), EMPTY if rest is None else rest)
@@ -160,7 +160,7 @@ def reverse(call: Call, value: Term, result: Term) -> object:
 
 @STANDARD.add(".delete", least=3, most=4)
 def delete(call: Call, what: Term, where: Term, *more: Term) -> object:
-    """Delete by position, by a range of positions or by element; or a part of a string."""
+    """Delete elements by position, range or value, or a part of a string."""
     if isinstance(what, float):
         begin, finish, rest = int(what), int(what) + 1, (where, *more)
         if len(more) == 2 and isinstance(where, float):
@@ -171,13 +171,13 @@ def delete(call: Call, what: Term, where: Term, *more: Term) -> object:
                 return call.unify(rest[1], whole)
             return call.unify(rest[1], whole[:begin] + whole[finish:])
         if isinstance(rest[0], Nil | Cons):
-            kept = [item for i, item in enumerate(rest[0]) if i < begin or i >= finish]
-            return call.unify(rest[1], kept)
+            remaining = [item for i, item in enumerate(rest[0]) if i < begin or i >= finish]
+            return call.unify(rest[1], remaining)
     if isinstance(what, str):
         return call.unify(more[0], plain_text(where).replace(what, ""))
     if isinstance(where, Nil | Cons):
-        kept = [item for item in where if call.unify(what, item) is None]
-        return call.unify(more[0], kept)
+        remaining = [item for item in where if call.unify(what, item) is None]
+        return call.unify(more[0], remaining)
     raise ActionError("Incorrect use of the internal action '.delete' (see documentation).")
 
 
@@ -228,7 +228,7 @@ def suffix(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
 
 @STANDARD.add(".sublist", least=2, most=2)
 def sublist(call: Call, part: Term, whole: Term) -> Iterator[Unifier]:
-    """`.sublist(S, L)`: an answer for each part, from the beginning on and the longest first."""
+    """`.sublist(S, L)`: an answer for each part, by begin, the longest first."""
     items = list(a_list("sublist", whole, "second"))
 
     def parts() -> Iterator[Term]:
@@ -254,7 +254,7 @@ def range_(call: Call, number: Term, first: Term, last: Term, *step: Term) -> ob
 
 @STANDARD.add(".empty", least=1, most=1)
 def empty(call: Call, value: Term) -> bool:
-    """`.empty(L)`: hold for a list, string or container without elements."""
+    """`.empty(L)`: whether a list, string or container has no elements."""
     return len(value) == 0 if isinstance(value, str | Nil | Cons | Container) else False
 
 
@@ -289,7 +289,7 @@ def _kinds(term: Term) -> list[str]:
 
 @STANDARD.add(".type", least=2, most=2)
 def kind_of(call: Call, term: Term, kind: Term) -> Iterator[Unifier]:
-    """`.type(T, Kind)`: an answer for each kind that a term is of."""
+    """`.type(T, Kind)`: an answer for each kind of a term."""
     return call.each(kind, map(Literal, _kinds(term)))
 
 
@@ -302,11 +302,11 @@ _KINDS: Mapping[str, Callable[[Term], bool]] = {
     "structure": _is_structure,
     "rule": lambda term: isinstance(term, RuleTerm),
     "plan": lambda term: isinstance(term, BodyTerm),
-    # The variables of a rule are its own, and are left as they are.
+    # Variables of rules are not counted.
     "ground": lambda term: is_ground(term) and not isinstance(term, RuleTerm),
     "free": lambda term: isinstance(term, Var),
 }
-"""The kinds of `.type`, in its order. A body in braces is a plan, a whole plan is a structure."""
+"""Kinds of `.type` in order. A body in braces is a plan, a whole plan is a structure."""
 
 for _name in ("number", "atom", "literal", "string", "list", "structure", "ground"):
     STANDARD.add(f".{_name}", least=1, most=1)(_kind(_KINDS[_name]))
@@ -315,7 +315,7 @@ STANDARD.add(".var", least=1, most=1)(_kind(_KINDS["free"]))
 
 @STANDARD.add(".random", least=1, most=3)
 def random(call: Call, what: Term, *more: Term) -> object:
-    """`.random(X)` or `.random(List, X)`; a last number is that of the answers, 0 for no end."""
+    """`.random(X)` or `.random(List, X)`, with an optional number of answers, 0 for endless."""
     numbers = call.agent.random
     if isinstance(what, Nil | Cons):
         items = list(what)
@@ -337,7 +337,7 @@ def _times(limit: tuple[Term, ...]) -> Iterator[int]:
 
 @STANDARD.add(".shuffle", least=2, most=2)
 def shuffle(call: Call, elements: Term, result: Term) -> object:
-    """`.shuffle(L, R)`: the elements in an order drawn at random."""
+    """`.shuffle(L, R)`: the elements in random order."""
     items = list(a_list("shuffle", elements, "first"))
     call.agent.random.shuffle(items)
     return call.unify(result, make_list(items))
@@ -345,6 +345,6 @@ def shuffle(call: Call, elements: Term, result: Term) -> object:
 
 @STANDARD.add(".set_random_seed", least=1, most=1)
 def set_random_seed(call: Call, seed: Term) -> bool:
-    """`.set_random_seed(N)`: begin the random numbers anew."""
+    """`.set_random_seed(N)`: restart the random numbers with a seed."""
     call.agent.random.seed(int(a_number("set_random_seed", seed, "first")))
     return True

@@ -1,8 +1,8 @@
-"""Messages: reading the mailbox, sending, questions that await an answer, the directory.
+"""Messages: mailbox, sending, questions and the directory of services.
 
-One belief that it is told it believes, one goal that it is to achieve it adopts. Everything else is
-a goal, `+!kqml_received(Sender, Force, Content, Message)`, for which there are the plans of
-`messages.asl`, and before them those of the program, if it has some.
+A told belief is believed, and a goal to achieve is adopted. All other messages become a goal,
+`+!kqml_received(Sender, Force, Content, Message)`, for the plans of the program and then those of
+`messages.asl`.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ def protocol() -> Program:
 
 
 def read(agent: AgentState, message: Message) -> None:
-    """Do what a message asks for."""
+    """Handle a message."""
     if message.reply_to:
         question = agent.questions.get(message.reply_to)
         if question is not None:
             question.answer(message)
             return
         if message.is_awaited:
-            # The answer comes after the time for it is over.
+            # The answer arrives after its timeout.
             return
     content = rename(message.content, agent.names, {})
     sender = "self" if message.sender == agent.name else message.sender
@@ -69,7 +69,7 @@ def read(agent: AgentState, message: Message) -> None:
         if message.force == "achieve":
             agent.circumstance.post(Event("+!", with_source(said)))
             return
-    # Only once a message needs them: most agents never read one that does.
+    # On first use, because most agents never need these plans.
     learn(agent, protocol())
     number = Literal(f"mid{message.question}")
     args = (Literal(sender), Literal(message.force), content, number)
@@ -81,9 +81,9 @@ def nested_source(term: Literal, sender: Term) -> Literal: ...
 @overload
 def nested_source(term: Term, sender: Term) -> Term: ...
 def nested_source(term: Term, sender: Term) -> Term:
-    """Return a literal with a sender as its source, in whose annotation its other sources stand.
+    """Return a literal with a sender as its source, which contains the previous sources.
 
-    A list is returned with each of its elements so.
+    In a list, this applies to each element.
     """
     if isinstance(term, Nil | Cons):
         return make_list([nested_source(element, sender) for element in term])
@@ -98,7 +98,7 @@ def nested_source(term: Term, sender: Term) -> Term:
 
 
 def without_source(term: Term, source: Term | None = None) -> Term:
-    """Return a literal, a plan or a list of them without their sources, or without one of them."""
+    """Return a literal, a plan or a list of them without sources, or without one source."""
     if isinstance(term, Nil | Cons):
         return make_list([without_source(element, source) for element in term])
     if isinstance(term, PlanTerm):
@@ -119,7 +119,7 @@ def _is_source(annot: Term) -> bool:
 
 
 def answers(agent: AgentState, asked: Term, u: Unifier) -> Iterator[Term]:
-    """Yield what an agent answers to a question: what it believes, without itself as source."""
+    """Yield the answers of an agent to a question, without the source `self`."""
     if not isinstance(asked, Literal) or asked.is_internal_action:
         for solution in agent.logic.solutions(asked, u):
             yield substitute(asked, solution)
@@ -129,14 +129,14 @@ def answers(agent: AgentState, asked: Term, u: Unifier) -> Iterator[Term]:
     annots = (*asked.annots, RestVar(rest.name, fresh=True)) if open_ended else asked.annots
     query = asked.with_annots(annots)
     for solution in agent.logic.solutions(query, u):
-        found = substitute(query, solution)
-        if isinstance(found, Literal):
-            kept = tuple(annot for annot in found.annots if annot != FROM_SELF)
-            yield found.with_annots(kept)
+        answer = substitute(query, solution)
+        if isinstance(answer, Literal):
+            annots = tuple(annot for annot in answer.annots if annot != FROM_SELF)
+            yield answer.with_annots(annots)
 
 
 class AwaitedAnswer:
-    """Question for whose answers an intention waits.
+    """Question of an intention that waits for the answers.
 
     `number` is that of the question. The answer must unify with `pattern`, as must the list of
     answers if several agents are asked. `receivers` is their number, or None for a single agent.
@@ -164,7 +164,7 @@ class AwaitedAnswer:
             agent.after(timeout, self._time_out)
 
     def answer(self, message: Message) -> None:
-        """Take an answer; the intention goes on when it was the last."""
+        """Handle an answer. The intention continues after the last one."""
         content = rename(message.content, self._agent.names, {})
         sender = Literal(message.sender)
         if message.force == "untell":
@@ -210,9 +210,9 @@ _NUMBER = re.compile(r"mid(\d+)")
 
 @STANDARD.add(".send", least=3, most=5)
 def send(call: Call, receiver: Term, force: Term, content: Term, *more: Term) -> object:
-    """`.send(Receiver, tell, Content)`; an ask with a fourth argument waits for the answer.
+    """`.send(Receiver, tell, Content)`. A question with a fourth argument waits for the answer.
 
-    A fourth argument of any other message is the number of the message that it answers.
+    For other messages, a fourth argument is the number of the question that the message answers.
     """
     agent, society = call.agent, call.agent.society
     how = plain_text(force)
@@ -257,13 +257,13 @@ def _name(call: Call, receiver: Term) -> str:
 
 
 def _number(term: Term) -> int:
-    found = _NUMBER.fullmatch(text(term))
-    if found is None:
+    match = _NUMBER.fullmatch(text(term))
+    if match is None:
         raise ActionError(
             f"The Message ID ('{text(term)}') parameter of the internal action 'send' is no"
             " number of a message!"
         )
-    return int(found[1])
+    return int(match[1])
 
 
 @STANDARD.add(".broadcast", least=2, most=2)
@@ -301,7 +301,7 @@ def _service(service: Term, kind: tuple[Term, ...]) -> tuple[str, str]:
 
 @STANDARD.add(".df_register", least=1, most=2)
 def register(call: Call, service: Term, *kind: Term) -> bool:
-    """Offer a service, and tell those who have subscribed to it."""
+    """Offer a service, and notify its subscribers."""
     society, name = call.agent.society, call.agent.name
     for subscriber in society.directory.register(name, *_service(service, kind)):
         _tell_provider(society, subscriber, name, service)
@@ -316,7 +316,7 @@ def _tell_provider(society: Society, subscriber: str, provider: str, service: Te
 
 @STANDARD.add(".df_deregister", least=1, most=2)
 def deregister(call: Call, service: Term, *kind: Term) -> bool:
-    """`.df_deregister(S, Type?)`: offer a service no longer."""
+    """`.df_deregister(S, Type?)`: end the offer of a service."""
     call.agent.society.directory.deregister(call.agent.name, *_service(service, kind))
     return True
 
@@ -325,13 +325,13 @@ def deregister(call: Call, service: Term, *kind: Term) -> bool:
 def search(call: Call, service: Term, *more: Term) -> object:
     """`.df_search(Service, Agents)` or `.df_search(Service, Type, Agents)`."""
     *kind, result = more
-    found = call.agent.society.directory.search(*_service(service, tuple(kind)))
-    return call.unify(result, make_list([Literal(name) for name in found]))
+    agents = call.agent.society.directory.search(*_service(service, tuple(kind)))
+    return call.unify(result, make_list([Literal(name) for name in agents]))
 
 
 @STANDARD.add(".df_subscribe", least=1, most=2)
 def subscribe(call: Call, service: Term, *kind: Term) -> bool:
-    """`.df_subscribe(S, Type?)`: be told of those who offer a service, now and later."""
+    """`.df_subscribe(S, Type?)`: be notified of present and future providers of a service."""
     society, name = call.agent.society, call.agent.name
     for provider in society.directory.subscribe(name, *_service(service, kind)):
         _tell_provider(society, name, provider, service)

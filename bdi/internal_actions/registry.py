@@ -13,40 +13,40 @@ STANDARD = InternalActions()
 
 
 def wrong(name: str, reason: str) -> ActionError:
-    """Return the error of an action that got a wrong argument."""
+    """Return the error of an invalid argument."""
     return ActionError(f"Wrong argument for internal action '{name}': {reason}", "wrong_arguments")
 
 
 def a_list(name: str, term: Term, which: str) -> Nil | Cons:
-    """Return a list; raise the error of a wrong argument for anything else."""
+    """Return a list. Raises `ActionError` for other terms."""
     if isinstance(term, Nil | Cons):
         return term
     raise wrong(name, f"{which} argument must be a list and not '{text(term)}'.")
 
 
 def a_number(name: str, term: Term, which: str) -> float:
-    """Return a number; raise the error of a wrong argument for anything else."""
+    """Return a number. Raises `ActionError` for other terms."""
     if isinstance(term, float):
         return term
     raise wrong(name, f"{which} parameter ('{text(term)}') must be a number!")
 
 
 def a_literal(name: str, term: Term) -> Literal:
-    """Return a literal; raise the error of a wrong argument for anything else."""
+    """Return a literal. Raises `ActionError` for other terms."""
     if isinstance(term, Literal):
         return term
     raise wrong(name, "first argument must be a literal")
 
 
 def a_goal(name: str, term: Term) -> Literal | Var:
-    """Return a literal or an unbound variable; raise the error of a wrong argument otherwise."""
+    """Return a literal or an unbound variable. Raises `ActionError` for other terms."""
     if isinstance(term, Literal | Var):
         return term
     raise wrong(name, f"first argument '{text(term)}' must be a literal or variable")
 
 
 def a_trigger(term: Term) -> TriggerTerm | None:
-    """Return the event in a term, `{+b}` or the same in a string; None if it is none."""
+    """Return the event in a term or a string, such as `{+b}`, or None."""
     if isinstance(term, TriggerTerm):
         return term
     if isinstance(term, BodyTerm):

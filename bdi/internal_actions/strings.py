@@ -16,7 +16,7 @@ from .registry import STANDARD, wrong
 
 @STANDARD.add(".substring", least=2, most=4)
 def substring(call: Call, part: Term, whole: Term, *position: Term) -> object:
-    """`.substring(Part, Whole)`, with its begin and end, place by place, in further arguments."""
+    """`.substring(Part, Whole, Begin?, End?)`: an answer for each occurrence."""
     small, big = plain_text(part), plain_text(whole)
     if not position:
         return small in big
@@ -28,7 +28,7 @@ def substring(call: Call, part: Term, whole: Term, *position: Term) -> object:
 
 
 def _piece(call: Call, piece: Var, whole: str, position: tuple[Term, ...]) -> object:
-    """Unify with the characters from one position up to another, or to the end."""
+    """Unify with the characters between two positions, or up to the end."""
     numbers = [int(number) for number in position if isinstance(number, float)]
     begin, end = numbers[0], numbers[1] if len(numbers) > 1 else len(whole)
     if not 0 <= begin <= end <= len(whole):
@@ -37,7 +37,7 @@ def _piece(call: Call, piece: Var, whole: str, position: tuple[Term, ...]) -> ob
 
 
 def _places(small: str, big: str, count: int) -> Iterator[list[float]]:
-    """Yield where a part begins and, if asked for, its last character."""
+    """Yield the begin of each occurrence and, if requested, its last character."""
     start = big.find(small)
     while 0 <= start < len(big):
         yield [float(start), float(start + len(small) - 1)][:count]
@@ -63,7 +63,7 @@ def _groups(replacement: str) -> str:
 
 @STANDARD.add(".term2string", least=2, most=2)
 def term2string(call: Call, term: Term, string: Term) -> object:
-    """`.term2string(T, S)`: the text of a term, or the term that a text stands for."""
+    """`.term2string(T, S)`: the text of a term, or the term in a text."""
     if not isinstance(term, Var):
         if isinstance(string, str):
             return text(term) == string
@@ -79,18 +79,18 @@ def term2string(call: Call, term: Term, string: Term) -> object:
 
 @STANDARD.add(".upper_case", least=2, most=2)
 def upper_case(call: Call, word: Term, result: Term) -> object:
-    """`.upper_case(S, R)`: a text in capitals."""
+    """`.upper_case(S, R)`: a text in upper case."""
     return call.unify(result, plain_text(word).upper())
 
 
 @STANDARD.add(".lower_case", least=2, most=2)
 def lower_case(call: Call, word: Term, result: Term) -> object:
-    """`.lower_case(S, R)`: a text in small letters."""
+    """`.lower_case(S, R)`: a text in lower case."""
     return call.unify(result, plain_text(word).lower())
 
 
 VERSION = "3.3.2"
-"""Version of Jason whose language this is."""
+"""Version of Jason with this language."""
 
 
 def _line(terms: tuple[Term, ...]) -> str:
@@ -100,14 +100,14 @@ def _line(terms: tuple[Term, ...]) -> str:
 @STANDARD.add(".print")
 @STANDARD.add(".println")
 def print_line(call: Call, *terms: Term) -> bool:
-    """`.print(…)`: print the terms one after another, on one line."""
+    """`.print(…)`: print the terms on one line."""
     call.agent.say(_line(terms))
     return True
 
 
 @STANDARD.add(".log", least=1)
 def log(call: Call, level: Term, *terms: Term) -> bool:
-    """`.log(Level, …)`: print, warn, or only note, as the level says."""
+    """`.log(Level, …)`: print, warn or record the terms, depending on the level."""
     name = level.functor if isinstance(level, Literal) else ""
     if name in ("warning", "severe"):
         call.agent.warn(_line(terms), call.intention)
@@ -124,15 +124,15 @@ _FORMAT = re.compile(r"%([-+ 0,#]*)(\d*)(?:\.(\d+))?([sdfeEgxXcbn%])")
 
 @STANDARD.add(".puts", least=1, most=2)
 def puts(call: Call, template: Term, *result: Term) -> object:
-    """Print a text with the values of the variables in it, `#{X}`, or unify with it."""
+    """Print a text with values in place of `#{X}`, or unify with it."""
     if not isinstance(template, str):
         raise wrong("puts", "first argument must be a string")
 
-    def value(found: re.Match[str]) -> str:
+    def value(match: re.Match[str]) -> str:
         try:
-            return plain_text(substitute(parse_term(found[1]), call.unifier))
+            return plain_text(substitute(parse_term(match[1]), call.unifier))
         except ProgramError:
-            return found[0]
+            return match[0]
 
     parts = [template, *(term for term in result if isinstance(term, str))]
     whole = "".join(_NAMED.sub(value, part) for part in parts)
@@ -144,17 +144,17 @@ def puts(call: Call, template: Term, *result: Term) -> object:
 
 @STANDARD.add(".printf", least=1)
 def printf(call: Call, template: Term, *terms: Term) -> bool:
-    """Print a text with `%s`, `%d`, `%.2f` … in it."""
+    """Print a text with formats such as `%s`, `%d` and `%.2f`."""
     if not isinstance(template, str):
         raise wrong("printf", "first argument must be a string (the format)")
     left = list(terms)
 
-    def formatted(found: re.Match[str]) -> str:
-        flags, width, digits, kind = found.groups()
+    def formatted(match: re.Match[str]) -> str:
+        flags, width, digits, kind = match.groups()
         if kind in "n%":
             return "\n" if kind == "n" else "%"
         if not left:
-            raise ActionError(f"Format specifier '{found[0]}'")
+            raise ActionError(f"Format specifier '{match[0]}'")
         term = left.pop(0)
         precision = "" if digits is None else f".{digits}"
         if kind in "sbc":

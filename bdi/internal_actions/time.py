@@ -58,10 +58,10 @@ class ActiveWait:
             self._alarm = agent.after(timeout, lambda: self._end(timed_out=True))
 
     def notice(self, event: Event | None) -> None:
-        """Check if an event, or a change that something else has made, ends the wait."""
+        """Check if an event, or another change, ends the wait."""
         if self._over:
             return
-        # Counted as a query is: many waits may be checked at many events.
+        # Counted as queries, because many waits may be checked at many events.
         self._agent.logic.spend(1, self._awaited)
         u = self._means.u
         if event is not None and self._trigger is not None:
@@ -88,8 +88,8 @@ class ActiveWait:
     def _end(self, *, timed_out: bool) -> None:
         self.cancel()
         ended = self._agent.clock
-        # Not at once: an event ends the wait in the middle of a cycle, and Jason puts the intention
-        # back at the beginning of the next deliberation, before it takes that event.
+        # Delayed, because an event may end the wait within a cycle. Jason resumes the intention at
+        # the beginning of the next deliberation, before it handles that event.
         self._agent.tasks.append(lambda: self._resume(timed_out, ended))
 
     def _resume(self, timed_out: bool, ended: int) -> None:
@@ -102,7 +102,7 @@ class ActiveWait:
         waits_for_something = self._trigger is not None or self._holds is not None
         if timed_out and waits_for_something and self._elapsed is None:
             if intention.is_suspended:
-                # The failure comes when it is resumed.
+                # The intention fails when it is resumed.
                 self._means.step = compile_body((Act(Literal(".fail")),))
                 self._suspend()
             else:
@@ -120,7 +120,7 @@ class ActiveWait:
             circumstance.resume(intention)
 
     def _suspend(self) -> None:
-        """Leave the intention, which `.suspend` has suspended, to `.resume`."""
+        """Leave a suspended intention to `.resume`."""
         reason = Literal(f"suspended-{self._intention.number}")
         self._agent.circumstance.suspend("suspended", self._intention, reason)
 
@@ -134,7 +134,7 @@ _DAY = ("d", "day", 86_400_000)
 
 
 def _milliseconds(number: str, unit: str) -> int:
-    """Return a time; one without a unit, or with another than these, is in milliseconds."""
+    """Return a time in ms. Unknown units are milliseconds."""
     for short, word, length in (*_UNITS, _DAY):
         if unit == short or unit.startswith(word):
             return int(number) * length
@@ -235,7 +235,7 @@ def nano_time(call: Call, now: Term) -> object:
 
 @STANDARD.add(".signal", least=1, most=2)
 def signal(call: Call, event: Term, *kind: Term) -> bool:
-    """Raise an event as it is given: nothing is believed by it."""
+    """Raise an event without a change of beliefs."""
     trigger = a_trigger(event)
     literal = None if trigger is None else rename(trigger.literal, call.agent.names, {})
     if trigger is None or not isinstance(literal, Literal):

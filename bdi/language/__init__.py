@@ -1,6 +1,6 @@
-"""AgentSpeak as a language: terms, programs, and how they are read and written.
+"""The language AgentSpeak: terms, programs, reading and writing.
 
-From below: `terms` and `body` are the values, `substitution`, `unification` and `order` what can be
-done with them; `tokens`, `parser`, `builder` and `loading` make a `program` of a text. Nothing here
-knows of an agent.
+`terms`, `operations` and `body` define the values. `substitution` and `unification` operate on
+them. `parser`, `builder` and `loading` create a `program` from a text. Nothing here depends on
+agents.
 """

@@ -1,6 +1,6 @@
-"""Plan bodies: the steps of a plan, and traversal and replacement of program parts.
+"""Plan bodies: steps, and traversal and replacement of parts of programs.
 
-`str` of any of them is AgentSpeak again.
+`str` of a step is AgentSpeak.
 """
 
 from __future__ import annotations
@@ -58,17 +58,17 @@ def all_parts(part: Any) -> Iterator[Any]:
 
 
 def has_variables(part: Any) -> bool:
-    """Return True if there is a variable somewhere in a part of a program."""
+    """Return whether a part of a program contains variables."""
     return any(isinstance(inner, Var) for inner in all_parts(part))
 
 
-#: What a goal, a belief or an action is: a literal, or a variable that stands for one.
+#: Goal, belief or action of a step: a literal or a variable.
 Event: TypeAlias = Literal | Var | Qualified
 
 
 @dataclass(frozen=True)
 class Place:
-    """Position in a source; lines and columns count from 1."""
+    """Position in a source. Lines and columns count from 1."""
 
     file: str = ""
     line: int = 0
@@ -76,7 +76,7 @@ class Place:
 
     @property
     def name(self) -> str:
-        """Name of the file without its folder, as programs see it."""
+        """Name of the file without its folder."""
         return self.file.replace("\\", "/").rpartition("/")[2]
 
     def problem(self, message: str) -> ProgramProblem:
@@ -89,7 +89,7 @@ NOWHERE = Place()
 
 @dataclass(frozen=True)
 class Achieve:
-    """`!g`: a subgoal; with `new_focus` (`!!g`) a goal of its own."""
+    """Subgoal `!g`, or with `new_focus` a separate goal `!!g`."""
 
     goal: Event
     new_focus: bool = False
@@ -101,7 +101,7 @@ class Achieve:
 
 @dataclass(frozen=True)
 class Test:
-    """`?b`: a query, or a subgoal if there is no answer but a `+?b` plan."""
+    """Query `?b`, which becomes a subgoal if it has no answer but a `+?b` plan."""
 
     formula: Term
     place: Place = field(default=NOWHERE, compare=False)
@@ -112,10 +112,7 @@ class Test:
 
 @dataclass(frozen=True)
 class Update:
-    """Change of the belief base; `operator` is one of + +< +> ++ - -- -+.
-
-    `belief` is a belief, or a rule in braces.
-    """
+    """Change of a belief, or of a rule in braces. `operator` is one of + +< +> ++ - -- -+."""
 
     operator: str
     belief: Event | Quoted
@@ -127,7 +124,7 @@ class Update:
 
 @dataclass(frozen=True)
 class Act:
-    """External or internal action, or a variable that stands for one."""
+    """External or internal action, or a variable."""
 
     action: Event
     place: Place = field(default=NOWHERE, compare=False)
@@ -138,7 +135,7 @@ class Act:
 
 @dataclass(frozen=True)
 class Constraint:
-    """Expression in a body, as `X = Y + 1`: fails if it does not hold."""
+    """Expression in a body, such as `X = Y + 1`, which fails if it does not hold."""
 
     relation: Relation
     place: Place = field(default=NOWHERE, compare=False)
@@ -175,7 +172,7 @@ class While:
 
 @dataclass(frozen=True)
 class For:
-    """`for (generator) { body }`: the body for each solution of the generator."""
+    """`for (generator) { body }`, which repeats the body for each solution."""
 
     generator: Term
     body: Body
@@ -187,7 +184,7 @@ class For:
 
 @dataclass(frozen=True)
 class ForkJoin:
-    """Concurrent branches: `|&|` goes on when all have ended, `|||` when the first has."""
+    """Concurrent branches, until all (`|&|`) or the first (`|||`) have ended."""
 
     all_of: bool
     branches: tuple[Body, ...]
@@ -208,7 +205,7 @@ Body: TypeAlias = tuple[BodyFormula, ...]
 
 
 def steps_of(body: Body) -> Iterator[BodyFormula]:
-    """Yield the steps of a body, each followed by those inside it."""
+    """Yield the steps of a body, each followed by its inner steps."""
     for step in body:
         yield step
         inner: tuple[Body, ...] = ()
@@ -223,7 +220,7 @@ def steps_of(body: Body) -> Iterator[BodyFormula]:
 
 
 def body_text(body: Body) -> str:
-    """Return a body as AgentSpeak, its steps separated by semicolons."""
+    """Return a body as AgentSpeak, with semicolons between the steps."""
     return "; ".join(map(str, body))
 
 
@@ -246,7 +243,7 @@ _UPDATES = MappingProxyType(
 
 
 def _structure(step: BodyFormula) -> Literal | None:
-    """Return a step as a structure, named as in Jason; None for a control structure."""
+    """Return a step as a structure named as in Jason, or None for a control structure."""
     if isinstance(step, Achieve):
         return Literal("achieveNF" if step.new_focus else "achieve", (step.goal,))
     if isinstance(step, Test):
@@ -263,9 +260,9 @@ def _structure(step: BodyFormula) -> Literal | None:
 
 @dataclass(frozen=True)
 class BodyTerm(Quoted):
-    """`{ !g; +b }` as an argument.
+    """Body as an argument, such as `{ !g; +b }`.
 
-    `bare` is True for one taken out of a plan, which is printed without braces.
+    `bare` is True for the body of a plan, which is printed without braces.
     """
 
     body: Body
@@ -273,27 +270,27 @@ class BodyTerm(Quoted):
 
     @cached_property
     def ground(self) -> bool:
-        """True if there are no variables in it."""
+        """Whether it contains no variables."""
         return not has_variables(self.body)
 
     def changed(self, change: Callable[[Any], Any]) -> BodyTerm:
-        """Return it with everything inside replaced for which `change` returns not None."""
+        """Return the term with all parts replaced for which `change` returns not None."""
         return BodyTerm(transformed(self.body, change), self.bare)
 
     @property
     def structure(self) -> Literal | None:
-        """The body as a structure: `achieve(g)`, or `achieve(g, { … })` with the steps after it.
+        """Body as a structure, such as `achieve(g)` or `achieve(g, { … })`, or None.
 
-        None for one that is empty, and for control structures.
+        Empty bodies and control structures have none.
         """
-        found = _structure(self.body[0]) if self.body else None
-        if found is None or len(self.body) == 1:
-            return found
-        return Literal(found.functor, (*found.args, BodyTerm(self.body[1:], self.bare)))
+        first = _structure(self.body[0]) if self.body else None
+        if first is None or len(self.body) == 1:
+            return first
+        return Literal(first.functor, (*first.args, BodyTerm(self.body[1:], self.bare)))
 
     @property
     def as_trigger(self) -> TriggerTerm | None:
-        """The event that a body like `{+b}` stands for where an event is expected."""
+        """Event of a body such as `{+b}`, or None."""
         if len(self.body) == 1 and isinstance(self.body[0], Update):
             update = self.body[0]
             belief = update.belief

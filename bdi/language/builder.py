@@ -1,4 +1,4 @@
-"""From the parse tree of a clause to the values of `program.py` and `body.py`."""
+"""Conversion of the parse tree of a clause to values of `program.py` and `body.py`."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class ClauseError(Exception):
 
 
 def stray_message(character: str) -> str:
-    """Return what is wrong with a character with which no token begins."""
+    """Return the message about an invalid character."""
     if character == '"':
         return "a string that does not end on its line"
     return f"'{character}' has no meaning here"
@@ -81,7 +81,7 @@ _Event: TypeAlias = Literal | Var | Qualified
 
 @v_args(inline=True, meta=True)
 class Builder(Transformer_NonRecursive[Token, Any]):
-    """Makes a clause of its parse tree; each method is named after the rule that it takes."""
+    """Transformer of a parse tree to a clause. Each method has the name of its grammar rule."""
 
     def __init__(self, file: str) -> None:
         super().__init__()
@@ -260,7 +260,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         return Function(str(sign), (operand,))
 
     def _numeric(self, meta: Meta, operator: str, operand: Term) -> None:
-        # A function of the agent's own is a literal with a dot until the agent is known.
+        # A custom function is a literal with a dot until an agent binds it.
         is_own = isinstance(operand, Literal) and operand.is_internal_action
         if not is_own and not isinstance(operand, float | Var | Arithmetic | Function):
             raise ClauseError(
@@ -289,9 +289,9 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         negated = tilde is not None
         if not negated and annots is None and is_function(name, len(args or ())):
             return Function(str(name), args or ())
-        functor, kept = _in(qualifier, name), _annots(annots)
-        is_atom = not (args or kept or negated)
-        literal = atom(functor) if is_atom else Literal(functor, args or (), kept, negated=negated)
+        functor, own = _in(qualifier, name), _annots(annots)
+        is_atom = not (args or own or negated)
+        literal = atom(functor) if is_atom else Literal(functor, args or (), own, negated=negated)
         if literal.is_internal_action and (negated or literal.annots):
             what = "be negated" if negated else "have annotations"
             raise ClauseError(meta, f"the internal action {name} cannot {what}")
@@ -375,17 +375,17 @@ def _in(qualifier: Term | None, name: str) -> str:
 
 
 def string_value(token: str) -> str:
-    """Return the string that a token in quotes stands for."""
+    """Return the string of a token in quotes."""
     return token[1:-1].replace("\\n", "\n").replace('\\"', '"')
 
 
 def _as_body(step: _Steps) -> Body:
-    """Return a step as a body; steps in brackets are one already."""
+    """Return a step, or steps in brackets, as a body."""
     return step if isinstance(step, tuple) else (step,)
 
 
 def _without_true(body: Body) -> Body:
-    """Return a body without the `true` that it may begin with."""
+    """Return a body without an initial `true`."""
     first = body[0] if body else None
     return body[1:] if isinstance(first, Act) and first.action == TRUE else body
 

@@ -2,9 +2,9 @@
 
 The parser, and lark with it, is imported when the first text is read.
 
-After Hübner, Bordini and Wooldridge, "Programming declarative goals using plan patterns" (DALT
-2006). Each pattern takes the plans between its two directives and returns them with those that make
-its goal declarative: achieved when it is believed, tried again when it has failed.
+The patterns follow Hübner, Bordini and Wooldridge, "Programming declarative goals using plan
+patterns" (DALT 2006). A pattern adds plans to those between its directives that make its goal
+declarative: achieved when it is believed, and tried again after a failure.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .unification import unified
 
 
 def read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[ProgramProblem, ...]]:
-    """Return the clauses of a text, in order, and the problems of those that cannot be read."""
+    """Return the clauses of a text in order, and the problems of invalid clauses."""
     from . import parser
 
     return parser.read_clauses(source, file)
@@ -107,7 +107,7 @@ class WrongPatternError(Exception):
 
 
 def apply_pattern(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """Return the clauses that a pattern makes of `inner`.
+    """Return the clauses of a pattern around `inner`.
 
     Raises `WrongPatternError` if the arguments of the pattern are invalid.
     """
@@ -139,10 +139,9 @@ def _tests(plan: Plan) -> BodyFormula:
 
 
 def _declarative(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """dg(g): g is achieved when it is believed, which every plan for it has to bring about."""
+    """Pattern dg(g): g is achieved when it is believed."""
     goal, place = _goal(directive), directive.place
-    # First in the program, so that a goal that is believed is achieved without any of its plans,
-    # and so is one that is pursued already.
+    # First in the program, so that believed goals need no further plan.
     plans: Clauses = [
         _plan(f"+!{goal} : {goal}", place),
         _plan(f"+!{goal} : .intend({goal})", place),
@@ -155,21 +154,20 @@ def _declarative(directive: Directive, inner: Sequence[Clause]) -> Clauses:
 
 
 def _backtracking(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """bdg(g): as dg(g), and g is tried again when it has failed."""
+    """Pattern bdg(g): as dg(g), and g is tried again after a failure."""
     goal = _goal(directive)
     return [*_declarative(directive, inner), _plan(f"-!{goal} <- !{goal}", directive.place)]
 
 
 def _exclusive(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """ebdg(g): as bdg(g), and no plan for g is tried twice."""
+    """Pattern ebdg(g): as bdg(g), and no plan for g is tried twice."""
     goal, place = _goal(directive), directive.place
     plans: Clauses = [_plan(f"+!{goal} : {goal}", place)]
     number = 0
     for clause in inner:
         if isinstance(clause, Plan) and _achieves(clause, goal):
             number += 1
-            # The plan notes that it has been tried before its first step, so its failure can't come
-            # before.
+            # The plan records that it is tried before its first step, which may fail.
             tried = Literal("p__f", (float(number), goal))
             context: Term = Negation(tried)
             if clause.context != TRUE:
@@ -196,7 +194,7 @@ def _within(directive: Directive, inner: Sequence[Clause], pattern: str) -> Clau
 
 
 def _blind(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """bc(g, pattern): g is pursued forever."""
+    """Pattern bc(g, pattern): g is pursued forever."""
     goal = _goal(directive)
     return [*_within(directive, inner, "bdg"), _plan(f"+!{goal} <- !{goal}", directive.place)]
 
@@ -207,7 +205,7 @@ def _committed(directive: Directive, inner: Sequence[Clause]) -> Clauses:
 
 
 def _single_minded(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """smc(g, f): g is pursued until f is believed."""
+    """Pattern smc(g, f): g is pursued until f is believed."""
     goal, failed = _goal(directive), _goal(directive, 1)
     return [
         *_committed(directive, inner),
@@ -216,7 +214,7 @@ def _single_minded(directive: Directive, inner: Sequence[Clause]) -> Clauses:
 
 
 def _relativised(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """rc(g, m): g is pursued as long as m is believed."""
+    """Pattern rc(g, m): g is pursued as long as m is believed."""
     goal, motive = _goal(directive), _goal(directive, 1)
     return [
         *_committed(directive, inner),
@@ -225,7 +223,7 @@ def _relativised(directive: Directive, inner: Sequence[Clause]) -> Clauses:
 
 
 def _open_minded(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """omc(g, f, m): g is pursued until f is believed or m is no longer."""
+    """Pattern omc(g, f, m): g is pursued until f is believed or m is no longer believed."""
     goal, failed, motive = (_goal(directive, index) for index in range(3))
     return [
         *_committed(directive, inner),
@@ -235,7 +233,7 @@ def _open_minded(directive: Directive, inner: Sequence[Clause]) -> Clauses:
 
 
 def _maintained(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """mg(g, pattern): g is believed at first, and pursued whenever it is no longer."""
+    """Pattern mg(g, pattern): g is believed initially, and pursued when it is not believed."""
     goal = _goal(directive)
     return [
         Belief(goal, directive.place),
@@ -245,7 +243,7 @@ def _maintained(directive: Directive, inner: Sequence[Clause]) -> Clauses:
 
 
 def _sequenced(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """sga("t", "c", g): at each event t in which c holds g is adopted, one after another."""
+    """Pattern sga("t", "c", g): each event t adopts g if c holds, one after another."""
     if len(directive.args) != 3 or not all(isinstance(arg, str) for arg in directive.args[:2]):
         raise WrongPatternError('sga takes an event, a context and a goal: sga("+b", "c", g)')
     goal, place = _goal(directive, 2), directive.place
@@ -301,8 +299,8 @@ def programs() -> dict[str, Path]:
     dict of str to Path
         Files by name.
     """
-    found = _built_in().items()
-    return {name.removesuffix(".asl"): path for name, path in found if name not in INCLUDED_ONLY}
+    files = _built_in().items()
+    return {name.removesuffix(".asl"): path for name, path in files if name not in INCLUDED_ONLY}
 
 
 @cache
@@ -404,25 +402,25 @@ def _parse(source: str, name: str, folder: Path | None, namespace: str = "defaul
     if len(source) > MAX_TEXT:
         raise ProgramError([ProgramProblem(file=name, message=_TOO_LONG)])
     within = NO_NAMESPACE if namespace == "default" else Namespace(namespace)
-    found, problems = _read_all(source, name, folder, (), within)
+    clauses, problems = _read_all(source, name, folder, (), within)
     if problems:
         raise ProgramError(problems)
-    # Clauses are read once for each text: where all are the same, so is the program.
-    key = (name, folder, tuple(map(id, found)))
-    known = _READ.get(key)
-    if known is None:
-        known = _READ[key] = Program(
+    # The clauses of a text are cached, so equal clauses mean the same program.
+    key = (name, folder, tuple(map(id, clauses)))
+    program = _READ.get(key)
+    if program is None:
+        program = _READ[key] = Program(
             source=name,
-            beliefs=tuple(c for c in found if isinstance(c, Belief | Rule)),
-            goals=tuple(c for c in found if isinstance(c, Goal)),
-            plans=tuple(c for c in found if isinstance(c, Plan)),
+            beliefs=tuple(c for c in clauses if isinstance(c, Belief | Rule)),
+            goals=tuple(c for c in clauses if isinstance(c, Goal)),
+            plans=tuple(c for c in clauses if isinstance(c, Plan)),
             folder=folder,
         )
-    return known
+    return program
 
 
 _READ: WeakValueDictionary[tuple[object, ...], Program] = WeakValueDictionary()
-"""Programs that are in use, by name, folder and clauses."""
+"""Programs in use by name, folder and clauses."""
 
 
 def _read_all(
@@ -432,12 +430,12 @@ def _read_all(
     including: tuple[str, ...],
     namespace: Namespace = NO_NAMESPACE,
 ) -> tuple[list[Clause], list[ProgramProblem]]:
-    """Return the clauses of a text, those of included files in their places, and all problems."""
+    """Return the clauses of a text and its included files in order, and all problems."""
     clauses, wrong = read_clauses(source, file)
     reading = _FileReader(folder, (*including, file), namespace, "::" in source or THIS in source)
-    found = reading.read(list(clauses))
+    expanded = reading.read(list(clauses))
     problems = [*wrong, *reading.problems]
-    return found, sorted(problems, key=lambda p: (p.file != file, p.file, p.line, p.column))
+    return expanded, sorted(problems, key=lambda p: (p.file != file, p.file, p.line, p.column))
 
 
 class _FileReader:
@@ -457,12 +455,12 @@ class _FileReader:
         self._names_namespaces = names_namespaces or namespace is not NO_NAMESPACE
 
     def read(self, clauses: list[Clause]) -> list[Clause]:
-        """Return the clauses with those that their directives bring."""
+        """Return the clauses, with those of their directives."""
         waiting = list(reversed(clauses))
         return self._block(waiting, None)
 
     def _block(self, waiting: list[Clause], opened: Directive | None) -> list[Clause]:
-        """Take the clauses up to the end of a block, or of the file."""
+        """Take the clauses up to the end of a block or of the file."""
         found: list[Clause] = []
         while waiting:
             clause = waiting.pop()
@@ -502,7 +500,7 @@ class _FileReader:
             return []
 
     def _named(self, directive: Directive) -> Namespace | None:
-        """Return the namespace that a directive begins or declares."""
+        """Return the namespace of a directive, if any."""
         names = [arg.functor for arg in directive.args if isinstance(arg, Literal) and arg.is_atom]
         if len(names) != len(directive.args) or not 1 <= len(names) <= 2:
             self._refuse(directive, "namespace takes a name, and local or global")
@@ -514,7 +512,7 @@ class _FileReader:
         name, local = names[0], dict(self._namespace.local)
         self._names_namespaces = True
         if kind == "local":
-            # One name for each place that declares it: a local namespace belongs to its file.
+            # Each declaration has a unique name, because a local namespace belongs to its file.
             place = directive.place
             local.setdefault(name, f"#{Path(place.file).stem}{self._namespace.name}{name}")
         elif kind == "global":
@@ -554,15 +552,15 @@ def _open_included(
     is_placed = all(isinstance(arg, Literal) and arg.is_atom for arg in rest)
     if not isinstance(name, str) or not name or len(rest) > 1 or not is_placed:
         return 'include takes the name of a file: { include("patrol.asl") }, and a namespace'
-    found = find_included(name, folder)
-    if isinstance(found, str):
-        return found
-    text = _read(found)
+    path = find_included(name, folder)
+    if isinstance(path, str):
+        return path
+    text = _read(path)
     if isinstance(text, ProgramProblem):
-        return f"{found} {text.message}"
-    if str(found) in including:
+        return f"{path} {text.message}"
+    if str(path) in including:
         return f"{name} includes itself"
-    return text, str(found)
+    return text, str(path)
 
 
 def find_included(name: str, folder: Path | None) -> Path | str:

@@ -1,9 +1,8 @@
-"""Namespaces: which one each name of a clause is in.
+"""Namespaces of the names in a clause.
 
-A name with a namespace is a functor with a prefix, `ns::b`. In a file that is read into a
-namespace, what stands for a belief, a goal, a plan's event or an action is in it; arguments and
-annotations are not, unless they say so: `::b` is in the namespace of the file,
-`default::b` in none.
+A name in a namespace is a functor with a prefix, `ns::b`. The beliefs, goals, events and actions of
+a file are in its namespace. Arguments and annotations are not, unless they have a prefix: `::b` is
+in the namespace of the file, `default::b` in none.
 """
 
 from __future__ import annotations
@@ -31,9 +30,9 @@ from .program import Belief, Clause, Goal, Plan, Rule
 from .terms import DEFAULT, Literal, Term, Var
 
 THIS = "this_ns"
-"""Name of the namespace of the file in which it is written."""
+"""Name that refers to the namespace of its file."""
 
-#: Names that are in no namespace.
+#: Names without a namespace.
 _RESERVED = frozenset(
     [
         *("atomic", "breakpoint", "all_unifs", "source", "self", "percept", "true", "false"),
@@ -63,12 +62,12 @@ class Namespace:
     # ---- names with a namespace
 
     def resolved(self, name: str) -> str:
-        """Return the namespace that a name in front of `::` stands for."""
+        """Return the namespace of the name before `::`."""
         name = self.name if name == THIS else name
         return self.local.get(name, name)
 
     def _resolve(self, part: Any) -> Term | None:
-        """Return a literal with the namespace it names, None for anything else."""
+        """Return a literal with its namespace, or None for other parts."""
         if isinstance(part, Qualified):
             namespace, inner = part.operands
             if isinstance(namespace, Literal):
@@ -81,7 +80,7 @@ class Namespace:
         prefix, separator, bare = part.functor.rpartition("::")
         if not separator:
             return None
-        # `default::b` keeps its prefix until the others have theirs.
+        # `default::b` keeps its prefix until all others have theirs.
         return _renamed(
             rebuilt(part, lambda inner: transformed(inner, self._resolve)),
             f"{self.resolved(prefix)}::{bare}" if self._is_module else self._plain(prefix, bare),
@@ -144,11 +143,11 @@ class Namespace:
             return replace(step, generator=self._top(step.generator), body=self._body(step.body))
         if isinstance(step, ForkJoin):
             return replace(step, branches=tuple(map(self._body, step.branches)))
-        assert isinstance(step, Constraint)  # the only other kind: its operands are values
+        assert isinstance(step, Constraint)  # the only other kind, whose operands are values
         return step
 
     def _top(self, formula: Any) -> Any:
-        """Return a formula with what it asks for in this namespace."""
+        """Return a formula with its queries in this namespace."""
         if isinstance(formula, Conjunction | Disjunction | Negation):
             return rebuilt(formula, self._top)
         if isinstance(formula, Var):
@@ -166,7 +165,7 @@ def _renamed(term: Term, functor: str) -> Term:
 
 
 def _without_default(part: Any) -> Term | None:
-    """Return a literal without the prefix `default::`, None for anything else."""
+    """Return a literal without the prefix `default::`, or None for other parts."""
     if isinstance(part, Literal) and part.functor.startswith("default::"):
         bare = rebuilt(part, lambda inner: transformed(inner, _without_default))
         return _renamed(bare, part.functor[len("default::") :])

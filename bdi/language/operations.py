@@ -23,7 +23,7 @@ from .terms import (
 
 
 class Operation(Compound):
-    """Base of expressions and formulas: a symbol that is applied to operands."""
+    """Base of expressions and formulas: a symbol with operands."""
 
     __slots__ = ("depth", "ground", "operands", "size", "symbol")
     ground: bool
@@ -31,7 +31,7 @@ class Operation(Compound):
     depth: int
 
     is_replaced = False
-    """True if substitution replaces it by a value or a literal, so that it is never ground."""
+    """Whether substitution replaces the operation by a value, so that it is never ground."""
 
     def __init__(self, symbol: str, *operands: Term) -> None:
         self.symbol = symbol
@@ -40,7 +40,7 @@ class Operation(Compound):
         self.size, self.depth = measure(operands)
 
     def with_operands(self, operands: tuple[Term, ...]) -> Operation:
-        """Return the operation on other operands."""
+        """Return the operation with other operands."""
         other = object.__new__(type(self))
         Operation.__init__(other, self.symbol, *operands)
         for name in type(self).__slots__:
@@ -102,7 +102,7 @@ class Negation(Operation):
 
 
 class Arithmetic(Operation):
-    """Arithmetic operation, `N-1`. Not ground: substitution replaces it by its value."""
+    """Arithmetic operation, such as `N-1`. It is never ground."""
 
     __slots__ = ()
     is_replaced = True
@@ -114,9 +114,9 @@ class Arithmetic(Operation):
 
 
 class Function(Operation):
-    """Call of an arithmetic function, `math.abs(X)`, or a sign, `-X`. Not ground.
+    """Call of an arithmetic function, such as `math.abs(X)`, or a sign, `-X`. It is never ground.
 
-    `calculate` is set for a function that belongs to the run, as `math.random`.
+    `calculate` is set for functions of a run, such as `math.random`.
     """
 
     __slots__ = ("calculate",)
@@ -130,7 +130,7 @@ class Function(Operation):
 
     @property
     def counts(self) -> bool:
-        """True for `.count(Formula)`, whose argument is a query and not a value."""
+        """Whether it is `.count(Formula)`, whose argument is a query."""
         return self.symbol == ".count"
 
     def __str__(self) -> str:
@@ -141,9 +141,9 @@ class Function(Operation):
 
 
 class Qualified(Operation):
-    """Literal or variable whose namespace or negation is open: `NS::b(X)`, `ns::X`, `~X`.
+    """Literal or variable with an open namespace or negation: `NS::b(X)`, `ns::X`, `~X`.
 
-    Not ground: substitution makes a literal of it when both parts are known.
+    It is never ground, because substitution replaces it by a literal.
     """
 
     __slots__ = ("negated",)
@@ -171,9 +171,9 @@ class Qualified(Operation):
 
 @dataclass(frozen=True)
 class TriggerTerm(Compound):
-    """Event as an argument, `{+!g(X)}`; `sort` is its `+!`.
+    """Event as an argument, such as `{+!g(X)}`, whose `sort` is `+!`.
 
-    `bare` is True for one taken out of a plan, which is printed without braces.
+    `bare` is True for the event of a plan, which is printed without braces.
     """
 
     sort: str
@@ -182,17 +182,17 @@ class TriggerTerm(Compound):
 
     @property
     def ground(self) -> bool:
-        """True if substitution leaves it unchanged."""
+        """Whether substitution leaves the term unchanged."""
         return is_ground(self.literal)
 
     @property
     def size(self) -> int:
-        """Number of its parts."""
+        """Number of parts."""
         return self.literal.size
 
     @property
     def depth(self) -> int:
-        """Number of terms nested in each other."""
+        """Nesting of terms."""
         return self.literal.depth
 
     def __str__(self) -> str:
@@ -201,27 +201,27 @@ class TriggerTerm(Compound):
 
 
 class Quoted(Compound):
-    """Base of plans, rules and bodies that are arguments (`body.py`, `program.py`)."""
+    """Base of plans, rules and bodies as arguments (`body.py`, `quoted.py`)."""
 
     size = 1
     depth = 1
 
     @property
     def ground(self) -> bool:
-        """True if there are no variables in it."""
+        """Whether it contains no variables."""
         return True
 
     def changed(self, change: Callable[[Any], Any]) -> Quoted:
-        """Return it with everything inside replaced for which `change` returns not None."""
+        """Return the term with all parts replaced for which `change` returns not None."""
         return self
 
     def annotated(self, annots: tuple[Term, ...]) -> Quoted:
-        """Return it with these annotations beside those it has, if it may have any."""
+        """Return the term with additional annotations, if it can have any."""
         return self
 
 
 def parts(term: Term) -> tuple[Term, ...]:
-    """Return the terms that stand directly inside a term; the variables of a quoted one."""
+    """Return the direct parts of a term, or the variables of a quoted term."""
     if isinstance(term, Literal):
         return (*term.args, *term.annots)
     if isinstance(term, Cons):
@@ -237,14 +237,14 @@ def parts(term: Term) -> tuple[Term, ...]:
 
 
 def _variables_in(quoted: Quoted) -> list[Var]:
-    found: dict[Var, None] = {}
+    variables: dict[Var, None] = {}
 
-    def look(part: Any) -> None:
+    def collect(part: Any) -> None:
         if isinstance(part, Var):
-            found[part] = None
+            variables[part] = None
 
-    quoted.changed(look)
-    return list(found)
+    quoted.changed(collect)
+    return list(variables)
 
 
 def rebuilt(term: Term, change: Callable[[Term], Term]) -> Term:

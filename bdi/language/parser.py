@@ -1,7 +1,7 @@
-"""Parser of AgentSpeak: tokens, clauses, and the problems of clauses that cannot be read.
+"""Parser of AgentSpeak: tokens, clauses and syntax errors.
 
-The grammar is that of one clause, so that a mistake ends with the clause it is in: all wrong
-clauses of a program are reported at once, each with its place.
+The grammar describes one clause, so that an error ends with its clause and all invalid clauses of a
+program are reported together.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .body import Place
 from .builder import Builder, ClauseError, stray_message
 from .program import Clause, Plan
 
-#: Tokens before a trigger or a body formula; a sign after one of these is an UPDATE.
+#: Tokens before a trigger or a body formula. A sign after one of these is an UPDATE.
 _BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
 _UPDATES = frozenset({"++", "+<", "+>", "--", "-+"})
 #: Tokens after a step.
@@ -38,25 +38,25 @@ _CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
 
 @cache
 def grammar() -> Lark:
-    """Return the parser of one clause, made once from the grammar beside this file.
+    """Return the parser of one clause, created from the grammar beside this file.
 
-    Its tables are kept beside the bytecode of this file, wherever Python may keep that.
+    Its tables are cached beside the bytecode of this file, if Python caches that.
     """
     source = Path(__file__).with_name("agentspeak.lark").read_text(encoding="utf-8")
-    kept = Path(cache_from_source(__file__)).with_name("agentspeak.tables")
-    keep = kept.is_file() or (kept.parent.is_dir() and not sys.dont_write_bytecode)
+    cache = Path(cache_from_source(__file__)).with_name("agentspeak.tables")
+    keep = cache.is_file() or (cache.parent.is_dir() and not sys.dont_write_bytecode)
     return Lark(
         source,
         start="clause",
         parser="lalr",
         lexer="basic",
         propagate_positions=True,
-        cache=str(kept) if keep else False,
+        cache=str(cache) if keep else False,
     )
 
 
 def tokenize(source: str, previous: str = "") -> Iterator[Token]:
-    """Return the tokens of a text; a character that belongs to none becomes a STRAY token.
+    """Return the tokens of a text. Invalid characters become STRAY tokens.
 
     `previous` is the token before the text, empty at the beginning.
     """
@@ -66,13 +66,13 @@ def tokenize(source: str, previous: str = "") -> Iterator[Token]:
 
 
 def _with_semicolons(tokens: Iterator[Token]) -> Iterator[Token]:
-    """Put in the semicolons that a program may leave out before a goal in a body."""
+    """Insert the optional semicolons before goals in bodies."""
     in_body, previous = False, ""
     for token in tokens:
         if token.type == "DOT":
             in_body = False
         in_body = in_body or token.type == "_ARROW"
-        # A goal can't follow a term but as the next step, so the semicolon is clear.
+        # After a term, a goal can only be the next step.
         if in_body and token.value in _GOAL_SIGNS and previous in _ENDS_A_TERM:
             yield Token.new_borrow_pos("SEMICOLON", ";", token)
         yield token
@@ -80,7 +80,7 @@ def _with_semicolons(tokens: Iterator[Token]) -> Iterator[Token]:
 
 
 def _with_updates(tokens: Sequence[Token], previous: str) -> Iterator[Token]:
-    """Join the signs that begin a trigger or a body formula to one UPDATE token."""
+    """Join the signs at the start of a trigger or a body formula to one UPDATE token."""
     around_terms = _brackets_around_terms(tokens)
     begins_step = previous == "" or previous in _BEFORE_A_STEP
     in_label = False
@@ -107,10 +107,10 @@ def _with_updates(tokens: Sequence[Token], previous: str) -> Iterator[Token]:
 
 
 def _is_compared(tokens: Sequence[Token], index: int) -> bool:
-    """Return True if the step that begins with the sign at `index` is a comparison, `-X < 3`."""
+    """Return whether the step that begins with the sign at `index` is a comparison, `-X < 3`."""
     depth = 0
     for token in islice(tokens, index + 1, None):
-        # The end of the step came before any comparison: the sign was an update.
+        # A step without a comparison is an update.
         if depth == 0 and token.value in _AFTER_A_SIGNED_LITERAL:
             return False
         if depth == 0 and token.type == "RELATION" and token is not tokens[index + 1]:
@@ -122,7 +122,7 @@ def _is_compared(tokens: Sequence[Token], index: int) -> bool:
 def _brackets_around_terms(tokens: Sequence[Token]) -> set[int]:
     """Return the indices of the opening brackets that cannot enclose a group of steps.
 
-    `(-X) < 3` and `(-b; a)` begin alike: the token after the closing bracket decides.
+    The token after the closing bracket distinguishes `(-X) < 3` from `(-b; a)`.
     """
     found: set[int] = set()
     opened: list[int] = []
@@ -139,10 +139,10 @@ def _brackets_around_terms(tokens: Sequence[Token]) -> set[int]:
 
 
 def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:
-    """Yield the tokens of each clause; a wrong clause ends at its full stop as well.
+    """Yield the tokens of each clause. Invalid clauses also end at a full stop.
 
-    The plans inside a plan, in braces after its full stop, are one clause. Where the braces stand
-    before the body, as in `+!g { <- a. +!h <- b. }`, the clause is divided as if they came after.
+    The subplans in braces after the full stop of a plan are one clause. Braces before the body, as
+    in `+!g { <- a. +!h <- b. }`, are moved after it.
     """
     clause: list[Token] = []
     braces = 0
@@ -167,7 +167,7 @@ def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:
 
 
 def is_block(clause: Sequence[Token]) -> bool:
-    """Return True for the plans inside a plan, `{ +!g <- a. @l +h. }`."""
+    """Return whether a clause consists of subplans, `{ +!g <- a. @l +h. }`."""
     begins = len(clause) > 1 and clause[0].type == "LBRACE"
     return begins and (clause[1].type in ("UPDATE", "GOAL_STATE") or clause[1].value == "@")
 
@@ -189,7 +189,7 @@ def _opening(clause: Sequence[Token]) -> int | None:
 
 
 def _divided(clause: list[Token]) -> Iterator[list[Token]]:
-    """Yield a clause, one with its braces before the body as plan and plans inside it."""
+    """Yield a clause, or a plan and its subplans if their braces are before the body."""
     opening = _opening(clause)
     if opening is None:
         yield clause
@@ -206,7 +206,7 @@ def _divided(clause: list[Token]) -> Iterator[list[Token]]:
 
 
 def nesting(tokens: Sequence[Token], brackets: str) -> int:
-    """Return how deep these brackets are nested in a clause; an `elif` is one level."""
+    """Return the nesting of these brackets in a clause. An `elif` is one level."""
     opening, closing = brackets[::2], brackets[1::2]
     deepest = depth = 0
     for token in tokens:
@@ -238,14 +238,14 @@ _KINDS = (
 )
 
 _UNNAMED = frozenset({"$END", "STRAY", "_NAMESPACE", "GOAL_STATE"})
-"""Tokens that no list of what is expected names."""
+"""Tokens that are not listed as expected."""
 
 _OPERATORS = frozenset({"'*'", "'**'", "'+'", "'-'", "'/'", "'div'", "'mod'"})
 
 MOST_NESTED = MappingProxyType({"{}": 60, "(){}[]": 250})
-"""Largest nesting of each set of brackets; a branch after `elif` is one level."""
+"""Maximum nesting of each set of brackets. A branch after `elif` is one level."""
 
-#: Value of the full stop that is put after a part of a clause.
+#: Value of the full stop added after a part of a clause.
 _END = "the end"
 
 
@@ -253,7 +253,7 @@ _END = "the end"
 
 
 def parse_clause(tokens: Sequence[Token], file: str) -> Any:
-    """Return the clause of the tokens; raise an error of lark's, or TooDeepError."""
+    """Return the clause of the tokens. Raises an error of lark, or `TooDeepError`."""
     for brackets, most in MOST_NESTED.items():
         if len(tokens) > most and nesting(tokens, brackets) > most:
             raise TooDeepError(f"brackets nested more than {most} deep")
@@ -269,13 +269,12 @@ def _place(token: Token, file: str) -> Place:
 
 
 def _problem(error: Exception, tokens: Sequence[Token], file: str) -> ProgramProblem:
-    """Return the problem for which a clause could not be read."""
+    """Return the problem of an invalid clause."""
     if isinstance(error, VisitError) and isinstance(error.orig_exc, ClauseError):
         refused = error.orig_exc
         place = Place(file, refused.line, refused.column)
         return place.problem(str(refused))
     if isinstance(error, VisitError):
-        # A term over the limits of size and depth.
         error = TooDeepError(str(error.orig_exc))
     if isinstance(error, RecursionError | TooDeepError):
         what = "too deeply nested" if isinstance(error, RecursionError) else str(error)
@@ -327,11 +326,11 @@ def _expected(names: Collection[str]) -> str:
 
 
 REMEMBERED = 50_000
-"""Longest text (characters) whose clauses are cached: many people share a few programs."""
+"""Maximum length of texts whose clauses are cached, because people share programs."""
 
 
 def read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[ProgramProblem, ...]]:
-    """Return the clauses of a text, in order, and the problems of those that cannot be read."""
+    """Return the clauses of a text in order, and the problems of invalid clauses."""
     read = _remembered_clauses if len(source) <= REMEMBERED else _read_clauses
     return read(source, file)
 
@@ -353,7 +352,7 @@ def _read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Pro
 def _subplans(
     tokens: Sequence[Token], file: str, problems: list[ProgramProblem]
 ) -> tuple[Plan, ...]:
-    """Return the plans in the braces after a plan, and append what is wrong with them."""
+    """Return the plans in braces after a plan, and append their problems."""
     inner = tokens[1:-1] if tokens[-1].type == "RBRACE" else tokens[1:]
     plans: list[Plan] = []
     if tokens[-1].type != "RBRACE":

@@ -1,6 +1,6 @@
-"""A program as written: beliefs, rules, goals and plans, each with its place in the file.
+"""Programs: beliefs, rules, goals and plans, with their locations in the source.
 
-`str` of any of them is AgentSpeak again.
+`str` of each of them is AgentSpeak.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from .terms import TRUE, Literal, Term, Var, is_ground, text
 
 @dataclass(frozen=True)
 class Trigger:
-    """Event of a plan: an operator, a kind ("" belief, "!" goal, "?" test), a literal.
+    """Event of a plan: an operator, a kind ("" belief, "!" goal, "?" test) and a literal.
 
-    The operator is + or -, or ^ for a goal that is in a new state.
+    The operator is + or -, or ^ for a new state of a goal.
     """
 
     operator: str
@@ -38,7 +38,6 @@ class Trigger:
 
 
 _ATOMIC = Literal("atomic")
-#: Formula by which a goal is achieved, if there is one.
 Condition: TypeAlias = Term | None
 
 
@@ -47,11 +46,11 @@ Key: TypeAlias = tuple[str, int, bool]
 
 
 CACHEABLE = frozenset({".findall", ".length", ".nth", ".member"})
-"""Internal actions of which the answers follow from their arguments, and from what they ask."""
+"""Internal actions whose answers depend only on their arguments and queries."""
 
 
 def are_apart(args: Iterable[Term]) -> bool:
-    """Return whether arguments are values without variables, or variables, each another one."""
+    """Return whether all arguments are ground values or distinct variables."""
     names: list[str] = []
     for arg in args:
         if arg.__class__ is Var:
@@ -69,7 +68,7 @@ class _Picklable:
     """Base of values that cache derived values."""
 
     def __getstate__(self) -> dict[str, object]:
-        """Return the fields without the cache: functions cannot be pickled, and hashes vary."""
+        """Return the fields without cached values, which may be functions or hashes."""
         return {name: vars(self)[name] for name in self.__dataclass_fields__}
 
 
@@ -86,13 +85,13 @@ class Clause(_Picklable):
 
         They are cached, because all agents that run a program share its clauses.
         """
-        found = set()
+        names = set()
         for part in all_parts(self):
             if isinstance(part, Function):
-                found.add(part.symbol)
+                names.add(part.symbol)
             elif isinstance(part, Literal) and part.is_internal_action and _is_own(part):
-                found.add(part.functor)
-        return frozenset(found)
+                names.add(part.functor)
+        return frozenset(names)
 
 
 @dataclass(frozen=True, repr=False)
@@ -241,13 +240,13 @@ class Plan(Clause):
         until = "" if self.until is None else f" <: {text(self.until)}"
         body = f" <- {body_text(self.body)}" if self.body else ""
         inside = " ".join(f"{plan}." for plan in self.subplans)
-        # The full stop that the last of them would have is that of the plan.
+        # The full stop of the last subplan is that of the plan.
         more = f". {{ {inside} }}" if inside else ""
         return f"{label}{self.trigger}{context}{until}{body}{more}"
 
 
 def all_plans(plans: Iterable[Plan]) -> Iterator[Plan]:
-    """Yield plans, each followed by those inside it."""
+    """Yield plans, each followed by its subplans."""
     for plan in plans:
         yield plan
         yield from all_plans(plan.subplans)
@@ -300,7 +299,7 @@ class Belief(Clause):
 
 
 def _is_plain(term: Term) -> bool:
-    """Return True for a number, a text, or an atom that is not a function without arguments."""
+    """Return whether a term is a number, a string or a plain atom."""
     if term.__class__ is Literal:
         return not (term.args or term.annots or "." in term.functor)
     return term.__class__ is float or term.__class__ is str
@@ -314,7 +313,7 @@ class Directive(Clause):
     args: tuple[Term, ...]
     place: Place
     opens: bool = False
-    """True for `{ begin name }`, which `{ end }` closes."""
+    """Whether it is `{ begin name }`, which `{ end }` closes."""
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -353,7 +352,7 @@ class Program(_Picklable):
 
     @cached_property
     def _hash(self) -> int:
-        # Found once: a program is long, and shared.
+        # Cached, because programs are long and shared.
         return hash((self.source, self.beliefs, self.goals, self.plans, self.folder))
 
     def __repr__(self) -> str:
@@ -368,7 +367,7 @@ def _escaped(part: object) -> str | None:
     return part.replace('"', '\\"').replace("\n", "\\n")
 
 
-# ---- what all runs share, and what belongs to one
+# ---- values shared by all runs, and values of one run
 
 
 _Shared = TypeVar("_Shared", bound=Clause | Program)
@@ -377,27 +376,21 @@ _Clause = TypeVar("_Clause", bound=Clause)
 
 
 def made_once(make: Callable[[_Shared], _Made]) -> Callable[[_Shared], _Made]:
-    """Return `make`, asked once for each clause or program, however many agents run it.
-
-    What it makes is kept with the clause or program, and so for as long as that.
-    """
+    """Cache the results of `make` for each clause or program, in its instance dictionary."""
     name = make.__name__
 
     @wraps(make)
-    def kept(shared: _Shared) -> _Made:
-        known: _Made | None = shared.__dict__.get(name)
-        if known is None:
-            known = shared.__dict__[name] = make(shared)
-        return known
+    def cached(shared: _Shared) -> _Made:
+        value: _Made | None = shared.__dict__.get(name)
+        if value is None:
+            value = shared.__dict__[name] = make(shared)
+        return value
 
-    return kept
+    return cached
 
 
 def _is_own(literal: Literal) -> bool:
-    """Return True if a literal may be a function of a run.
-
-    An internal action may have the name of one, as `.count(Formula, N)` has.
-    """
+    """Return whether a literal may be a function of a run, not an action like `.count(F, N)`."""
     count = len(literal.args)
     return literal.functor not in RUN_FUNCTIONS or is_function(literal.functor, count)
 
@@ -405,10 +398,10 @@ def _is_own(literal: Literal) -> bool:
 def with_run_functions(
     clauses: tuple[_Clause, ...], functions: Mapping[str, Callable[..., float]]
 ) -> tuple[_Clause, ...]:
-    """Return clauses with the functions of one run, as `math.random`, bound to `functions`.
+    """Return clauses with functions of one run, such as `math.random`, bound to `functions`.
 
-    Clauses are shared by the agents that run them, so each binds its own where they call any,
-    those of rules once they are asked; clauses that call none are returned as they are.
+    Agents share clauses, so each agent binds copies of those that call such functions. Other
+    clauses are returned unchanged. Bodies of rules are bound on first use.
     """
 
     def bind(part: Any) -> Any:
@@ -427,7 +420,7 @@ def with_run_functions(
 
 
 class _RuleOfRun(Rule):
-    """Rule that calls functions of one run: `bind` puts them into its body once it is asked."""
+    """Rule that calls functions of one run, which `bind` inserts into the body on first use."""
 
     _bound: Callable[[], Term]
 
@@ -437,5 +430,5 @@ class _RuleOfRun(Rule):
 
     @cached_property
     def body(self) -> Term:
-        """The formula from which it follows."""
+        """Condition of the rule."""
         return self._bound()

@@ -1,4 +1,4 @@
-"""Plans and rules as terms, and `=..`, which takes terms apart and puts them together."""
+"""Plans and rules as terms, and decomposition of terms by `=..`."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ class PlanTerm(Quoted):
 
     @cached_property
     def ground(self) -> bool:
-        """True if there are no variables in it."""
+        """Whether it contains no variables."""
         return not has_variables(self.plan)
 
     def changed(self, change: Callable[[Any], Any]) -> PlanTerm:
-        """Return it with everything inside replaced for which `change` returns not None."""
+        """Return the term with all parts replaced for which `change` returns not None."""
         return PlanTerm(transformed(self.plan, change))
 
     @property
     def structure(self) -> Literal:
-        """The plan as a structure, `plan(Label, Event, Context, Body)`."""
+        """Plan as a structure, `plan(Label, Event, Context, Body)`."""
         return Literal("plan", self.plan.parts)
 
     def __str__(self) -> str:
@@ -47,15 +47,15 @@ class RuleTerm(Quoted):
 
     @cached_property
     def ground(self) -> bool:
-        """True if there are no variables in it."""
+        """Whether it contains no variables."""
         return not has_variables(self.rule)
 
     def changed(self, change: Callable[[Any], Any]) -> RuleTerm:
-        """Return it with everything inside replaced for which `change` returns not None."""
+        """Return the term with all parts replaced for which `change` returns not None."""
         return RuleTerm(transformed(self.rule, change))
 
     def annotated(self, annots: tuple[Term, ...]) -> RuleTerm:
-        """Return it with these annotations of its head beside those it has."""
+        """Return the rule with additional annotations of its head."""
         return RuleTerm(replace(self.rule, head=with_more_annots(self.rule.head, *annots)))
 
     def __str__(self) -> str:
@@ -63,7 +63,7 @@ class RuleTerm(Quoted):
 
 
 def plan_change(operator: str, plan: PlanTerm) -> Literal | None:
-    """Return the internal action for `+{ +!g }` or `-{ +!g }`; None for other operators."""
+    """Return the internal action for `+{ +!g }` or `-{ +!g }`, or None for other operators."""
     if operator == "-":
         return Literal(".remove_plan", (plan,))
     if operator not in ("+", "+<", "+>"):
@@ -73,10 +73,10 @@ def plan_change(operator: str, plan: PlanTerm) -> Literal | None:
 
 
 def decomposed(left: Term, right: Term) -> tuple[Term, Term] | None:
-    """Return two terms that unify where `left =.. right` holds, or None where it never does.
+    """Return two terms that unify if `left =.. right` holds, or None if it cannot hold.
 
-    The right side is a list, `[default, Functor, Arguments, Annotations]`, in which the namespace
-    `default` may be left out, or the parts of a plan.
+    The right side is a list, `[default, Functor, Arguments, Annotations]` or the parts of a plan.
+    The namespace `default` is optional.
     """
     if isinstance(left, PlanTerm):
         return make_list(left.plan.parts), right
@@ -130,7 +130,7 @@ def _plan_of(elements: list[Term]) -> PlanTerm | None:
     if not isinstance(label, Literal) or not isinstance(trigger, TriggerTerm):
         return None
     if isinstance(context, BodyTerm):
-        # A context in braces, { c }, is read as a body of one step.
+        # The parser reads a context in braces, { c }, as a body of one step.
         step = context.body[0] if len(context.body) == 1 else None
         context = TRUE
         if isinstance(step, Act):

@@ -2,11 +2,9 @@
 
 A unifier is a dict from names of variables to terms. It is triangular: a value may contain
 variables that are bound in turn, and `substitute` follows them to the end. Binding a variable
-therefore costs one entry, however large the terms (Baader and Snyder, "Unification theory", 2001).
+therefore costs one entry for terms of any size (Baader and Snyder, "Unification theory", 2001).
 
-What `substitute` finds out about a term each time it meets it is found out here once, when a plan
-is loaded: which arguments are constants, and which are plain variables. Forms that are not frequent
-are left to it.
+`builder` compiles the frequent terms of programs.
 """
 
 from __future__ import annotations
@@ -18,7 +16,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cmp_to_key
 from itertools import count
 from types import MappingProxyType
-from typing import TypeAlias, overload
+from typing import NamedTuple, TypeAlias, overload
 
 from .operations import (
     Arithmetic,
@@ -49,12 +47,11 @@ from .terms import (
 
 
 def compare(one: Term, other: Term) -> int:
-    """Return a negative number, 0 or a positive one as `one` sorts before, with or after `other`.
+    """Return a negative number, 0 or a positive one if `one` sorts before, with or after `other`.
 
-    Numbers come first, by value; then strings, lists and literals. Strings compare by their text,
-    quotes included; lists element by element and then by length; literals by functor, strong
-    negation (negated last), arguments, arity and annotations. An unbound variable is greater than
-    anything bound.
+    The order is: numbers by value, strings by text including quotes, lists by elements and length,
+    literals by functor, strong negation (negated last), arguments, arity and annotations. Unbound
+    variables are last.
     """
     if isinstance(one, Var):
         return _sign(one.name, other.name) if isinstance(other, Var) else 1
@@ -82,34 +79,38 @@ def _sign(one: float | str, other: float | str) -> int:
 
 
 def _compare_structures(one: Term, other: Term) -> int:
-    # What has no parts of its own, as a plan, sorts by how it is written.
-    mine, theirs = _parts(one), _parts(other)
+    # Terms without parts, such as plans, are sorted by their text.
+    mine, theirs = _structure(one), _structure(other)
     if mine is None or theirs is None:
         return _sign(text(one), text(other))
     return (
-        _sign(mine[0], theirs[0])
-        or _sign(mine[1], theirs[1])
-        or _compare_each(mine[2], theirs[2])
-        or _compare_each(mine[3], theirs[3])
+        _sign(mine.functor, theirs.functor)
+        or _sign(mine.negated, theirs.negated)
+        or _compare_each(mine.args, theirs.args)
+        or _compare_each(mine.annots, theirs.annots)
     )
 
 
-_Parts: TypeAlias = tuple[str, bool, tuple[Term, ...], tuple[Term, ...]]
+class _Structure(NamedTuple):
+    functor: str
+    negated: bool
+    args: tuple[Term, ...]
+    annots: tuple[Term, ...]
 
 
-def _parts(term: Term) -> _Parts | None:
-    """Return functor, negation, arguments and annotations of a structure; None if it has none."""
+def _structure(term: Term) -> _Structure | None:
+    """Return the parts by which a structure is sorted, or None for other terms."""
     if isinstance(term, Literal):
-        return term.functor, term.negated, term.args, term.annots
+        return _Structure(term.functor, term.negated, term.args, term.annots)
     if isinstance(term, Relation):
-        return f" {term.symbol} ", False, term.operands, ()
+        return _Structure(f" {term.symbol} ", False, term.operands, ())
     if isinstance(term, Function | Arithmetic):
-        return term.symbol, False, term.operands, ()
+        return _Structure(term.symbol, False, term.operands, ())
     return None
 
 
 def _compare_each(ones: tuple[Term, ...], others: tuple[Term, ...]) -> int:
-    """Compare sequences element by element, and then by length."""
+    """Compare sequences by elements, then by length."""
     for one, other in zip(ones, others, strict=False):
         order = compare(one, other)
         if order:
@@ -121,7 +122,7 @@ standard_order = cmp_to_key(compare)
 
 
 def distinct(terms: Iterable[Term]) -> list[Term]:
-    """Return the terms in standard order, each once."""
+    """Return the terms in standard order without duplicates."""
     result: list[Term] = []
     for term in sorted(terms, key=standard_order):
         if not result or compare(result[-1], term) != 0:
@@ -130,12 +131,12 @@ def distinct(terms: Iterable[Term]) -> list[Term]:
 
 
 def with_more_annots(literal: Literal, *annots: Term) -> Literal:
-    """Return a literal with these annotations beside its own."""
+    """Return a literal with additional annotations."""
     return literal.with_annots(sorted_annots((*literal.annots, *annots)))
 
 
 def sorted_annots(annots: tuple[Term, ...]) -> tuple[Term, ...]:
-    """Return annotations in standard order and each once; a variable for their tail stays last."""
+    """Return annotations in standard order without duplicates. An open tail stays last."""
     return annots if len(annots) < 2 else tuple(distinct(annots))
 
 
@@ -153,7 +154,7 @@ def _divide(x: float, y: float) -> float:
 def _to_int32(x: float) -> int:
     if math.isnan(x):
         return 0
-    # Java's conversion to int: beyond its range the nearest there is, and towards zero.
+    # Java converts to the nearest int towards zero, limited to its range.
     return int(max(-(2.0**31), min(2.0**31 - 1, x)))
 
 
@@ -161,13 +162,13 @@ def _integer_divide(x: float, y: float) -> float:
     divisor = _to_int32(y)
     if divisor == 0:
         return NAN
-    # Towards zero, as Java divides; Python would round down.
+    # Java rounds towards zero, Python down.
     quotient = abs(_to_int32(x)) // abs(divisor)
     return float(quotient if (x < 0) == (y < 0) else -quotient)
 
 
 def _modulo(x: float, y: float) -> float:
-    # Java's % has the sign of the first operand, as `fmod` has; Python's that of the second.
+    # The result has the sign of the first operand, as in Java, not that of the second.
     return NAN if y == 0.0 or math.isinf(x) else math.fmod(x, y)
 
 
@@ -194,7 +195,7 @@ OPERATORS: Mapping[str, Callable[[float, float], float]] = MappingProxyType(
 
 
 def _round(x: float) -> float:
-    """Round halves up, as Java's `Math.round`."""
+    """Round halves up, as `Math.round` of Java."""
     return x if math.isinf(x) or math.isnan(x) else float(math.floor(x + 0.5))
 
 
@@ -221,7 +222,7 @@ _OF_A_NUMBER: Mapping[str, Callable[[float], float]] = MappingProxyType(
     }
 )
 
-#: Functions of a list of numbers; `math.max` and `math.min` take two numbers as well.
+#: Functions of a list of numbers. `math.max` and `math.min` also accept two numbers.
 _OF_NUMBERS: Mapping[str, Callable[[list[float]], float]] = MappingProxyType(
     {
         "math.average": statistics.fmean,
@@ -236,7 +237,7 @@ _OF_NUMBERS: Mapping[str, Callable[[list[float]], float]] = MappingProxyType(
 
 _CONSTANTS: Mapping[str, float] = MappingProxyType({"math.e": math.e, "math.pi": math.pi})
 
-#: Functions that depend on the run, its random numbers and its time, by their arities.
+#: Arities of the functions that depend on the run, its random numbers or its time.
 RUN_FUNCTIONS: Mapping[str, tuple[int, ...]] = MappingProxyType(
     {"math.random": (0, 1), "system.time": (0,), ".count": (1,)}
 )
@@ -256,10 +257,10 @@ def is_function(name: str, arity: int) -> bool:
 def apply_function(
     name: str, args: tuple[Term, ...], calculate: Callable[..., float] | None = None
 ) -> float:
-    """Return the value of a function of ground arguments; NaN if it is not defined for them.
+    """Return the value of a function of ground arguments, or NaN if it is undefined.
 
-    `calculate` is set for one of RUN_FUNCTIONS and of the user's own. One of these that can't take
-    numbers at all is wrong: its `TypeError` is raised.
+    `calculate` is set for RUN_FUNCTIONS and custom functions. A `TypeError` of such a function for
+    numbers is raised.
     """
     try:
         if name in _OF_NUMBERS:
@@ -286,7 +287,7 @@ def apply_function(
 
 
 def _numbers(args: tuple[Term, ...]) -> list[float]:
-    """Return the numbers of a list, which has only such, or those among the arguments."""
+    """Return the elements of a list of numbers, or the numbers among several arguments."""
     values = args[0]
     if len(args) > 1 or not isinstance(values, Nil | Cons):
         return [arg for arg in args if isinstance(arg, float)]
@@ -298,7 +299,7 @@ Unifier: TypeAlias = dict[str, Term]
 
 
 class Names:
-    """Source of fresh variables, which no clause names."""
+    """Source of fresh variables, which appear in no clause."""
 
     def __init__(self) -> None:
         self._numbers = count(1)
@@ -309,7 +310,7 @@ class Names:
 
 
 def walk(term: Term, u: Unifier) -> Term:
-    """Return the term to which a variable is bound, or the term itself if it is no variable."""
+    """Return the term to which a variable is bound, and other terms unchanged."""
     while isinstance(term, Var):
         value = u.get(term.name)
         if value is None:
@@ -319,7 +320,7 @@ def walk(term: Term, u: Unifier) -> Term:
 
 
 def substitute(term: Term, u: Unifier) -> Term:
-    """Return the term with its variables replaced by their values and its arithmetic done."""
+    """Return the term with values in place of variables, and with arithmetic evaluated."""
     if term.__class__ is float or term.__class__ is str:
         return term
     if term.__class__ is Var:
@@ -329,7 +330,6 @@ def substitute(term: Term, u: Unifier) -> Term:
         if value.__class__ is float:
             return value
         value = walk(value, u)
-        # The unifier is triangular: a value with variables has them replaced in turn.
         return value if isinstance(value, Var) or is_ground(value) else substitute(value, u)
     if term.__class__ is Literal:
         return term if term.ground else substitute_literal(term, u)
@@ -339,7 +339,7 @@ def substitute(term: Term, u: Unifier) -> Term:
 
 
 def substitute_literal(literal: Literal, u: Unifier) -> Literal:
-    """Return the literal with its variables replaced by their values, annotations sorted again."""
+    """Return the literal with values in place of variables, and with sorted annotations."""
     annots = literal.annots
     if not annots or annots is ONLY_SELF:
         return literal.with_args(tuple([value_of(arg, u) for arg in literal.args]))
@@ -353,7 +353,7 @@ def substitute_literal(literal: Literal, u: Unifier) -> Literal:
 
 
 def _substitute_annots(annots: tuple[Term, ...], u: Unifier) -> tuple[Term, ...]:
-    """Return annotations with their variables replaced: sorted again, an open tail last."""
+    """Return sorted annotations with values in place of variables, an open tail last."""
     if all(map(is_ground, annots)):
         return annots
     values: list[Term] = []
@@ -383,7 +383,7 @@ def _substitute_other(term: Term, u: Unifier) -> Term:
     if isinstance(term, Cons):
         return term if term.ground else _substitute_list(term, u)
     if isinstance(term, Function):
-        # `.count` and its like look at the formula itself, whose variables must stay as they are.
+        # `.count` evaluates the formula itself, so its variables are not replaced.
         if term.counts and term.calculate is not None:
             return term.calculate(term.operands[0], u)
         args = tuple(substitute(arg, u) for arg in term.operands)
@@ -406,7 +406,7 @@ def _substitute_other(term: Term, u: Unifier) -> Term:
 
 
 def _inside_quoted(part: object, u: Unifier) -> Term | None:
-    """Return the value of a variable, or of arithmetic that has one; None for anything else."""
+    """Return the value of a variable or of arithmetic, or None for other parts."""
     if isinstance(part, Var | Arithmetic | Qualified):
         return substitute(part, u)
     return None
@@ -453,7 +453,7 @@ def _substitute_annotated(term: AnnotatedVar, u: Unifier) -> Term:
 
 
 def value_of(term: Term, u: Unifier) -> Term:
-    """Do as `substitute`, faster for what arguments mostly are: variables, and atoms they have."""
+    """Return `substitute` of a term, faster for variables with atoms as values."""
     if term.__class__ is Var:
         value = u.get(term.name)
         if value is None:
@@ -469,10 +469,10 @@ def rename(term: Literal, names: Names, renamed: dict[str, Var]) -> Literal: ...
 @overload
 def rename(term: Term, names: Names, renamed: dict[str, Var]) -> Term: ...
 def rename(term: Term, names: Names, renamed: dict[str, Var]) -> Term:
-    """Return the term with a fresh variable for each one that a clause names: standardised apart.
+    """Return the term with a fresh variable for each variable of a clause.
 
-    So two uses of one clause share no variable, as resolution needs (Robinson 1965).
-    `renamed` receives the fresh variable of each name, and gives those it already has.
+    Two uses of a clause then share no variables, as resolution requires (Robinson 1965). `renamed`
+    contains the fresh variables by name, and is extended.
     """
 
     def inside(part: Term) -> Term:
@@ -490,25 +490,25 @@ def rename(term: Term, names: Names, renamed: dict[str, Var]) -> Term:
 
 
 def variable_names(term: Term) -> tuple[str, ...]:
-    """Return the names of a term's variables, each once."""
-    found: dict[str, None] = {}
+    """Return the names of the variables in a term without duplicates."""
+    names: dict[str, None] = {}
     pending: list[Term] = [term]
     while pending:
         part = pending.pop()
         if part.__class__ is Var:
-            found[part.name] = None
+            names[part.name] = None
         elif not is_ground(part):
             if isinstance(part, Var):
-                found[part.name] = None
+                names[part.name] = None
             pending.extend(parts(part))
-    return tuple(found)
+    return tuple(names)
 
 
 Build: TypeAlias = Callable[[Unifier], Term]
 
 
 def builder(term: Term) -> Build:
-    """Return a function equal to `lambda u: substitute(term, u)`, but faster."""
+    """Return `substitute` for a term, compiled for the frequent kinds of terms."""
     if is_ground(term):
         return lambda u: term
     if term.__class__ is Var:

@@ -1,11 +1,11 @@
-"""Terms of AgentSpeak: the values of which beliefs, goals, actions and formulas are made.
+"""Terms of AgentSpeak: the values in beliefs, goals, actions and formulas.
 
-Numbers are Python floats and strings are Python strs; every other term is an instance of one of
-the classes below. Terms are immutable. A term is `ground` if substitution leaves it unchanged.
+Numbers are Python floats and strings are Python strs. All other terms are instances of the classes
+below. Terms are immutable. A term is `ground` if substitution leaves it unchanged.
 
-Terms share their parts: `X = f(Y, Y), Y = f(Z, Z)` … doubles with every step what there is to
-print and to compare, though each step takes constant time. So every term knows its `size`, in
-parts counted as often as they occur, and its `depth`, and a term over either limit is refused.
+Terms share their parts, so that `X = f(Y, Y), Y = f(Z, Z)` … doubles the number of parts with each
+step. Each term therefore stores its `size`, with repeated parts, and its `depth`. Terms beyond the
+limits are rejected.
 """
 
 from __future__ import annotations
@@ -129,7 +129,6 @@ class Literal:
         self.args = args
         self.annots = annots
         self.negated = negated
-        #: Key under which beliefs and plans are indexed: functor, arity, strong negation.
         self.key = (functor, len(args), negated)
         self._hash: int | None = None
         self.ground = True
@@ -143,7 +142,7 @@ class Literal:
             self._weigh(annots)
 
     def _weigh_args(self) -> None:
-        """Add the arguments to size and depth, and convert numbers of other types to floats."""
+        """Add the arguments to size and depth, with numbers of other types as floats."""
         try:
             self._weigh(self.args)
         except AttributeError:
@@ -154,7 +153,7 @@ class Literal:
 
     def _weigh(self, terms: tuple[Term, ...]) -> None:
         """Add terms to size and depth."""
-        term: Any  # what a number or a string has not is not asked of it
+        term: Any  # numbers and strings have no size
         for term in terms:
             cls = term.__class__
             if cls is float:
@@ -190,7 +189,7 @@ class Literal:
         other.negated = self.negated
         other.key = self.key
         other._hash = None
-        # As `_weigh`, in place: most literals that a program makes are made here.
+        # `_weigh`, repeated here for speed.
         ground, size, depth = True, 1, 0
         term: Any
         for term in args:
@@ -231,7 +230,7 @@ class Literal:
         other.annots = annots
         other.negated = self.negated
         other.key = self.key
-        other._hash = self._hash  # annotations do not count in it
+        other._hash = self._hash  # independent of annotations
         if self.annots:
             other.ground = True
             other.size = 1
@@ -242,7 +241,7 @@ class Literal:
             other.size = self.size
             other.depth = self.depth
         if annots is ONLY_SELF or annots is ONLY_PERCEPT:
-            # What `_weigh` makes of `source(self)`, which most literals have.
+            # The frequent annotations have known sizes.
             other.size += 2
             other.depth = max(other.depth, 2)
         elif annots:
@@ -312,7 +311,7 @@ class Literal:
 
 
 class Nil:
-    """The empty list. Its one instance is EMPTY."""
+    """Empty list, with the instance EMPTY."""
 
     __slots__ = ()
     ground = True
@@ -364,7 +363,7 @@ class Cons:
             size += head.size
             depth = head.depth + 1
         if not isinstance(tail, float | str):
-            # The elements of a list stand side by side, so the tail is no deeper than the list.
+            # The tail of a list is at the same level as the list.
             ground = ground and tail.ground
             size += tail.size
             depth = max(depth, tail.depth)
@@ -375,7 +374,7 @@ class Cons:
         self.depth = depth
 
     def cells(self) -> Iterator[Cons]:
-        """Iterate over the cells, each with one element and what follows."""
+        """Iterate over the cells, each with one element and its tail."""
         cell: Term = self
         while isinstance(cell, Cons):
             yield cell
@@ -396,7 +395,7 @@ class Cons:
 
     @property
     def open_tail(self) -> Var | None:
-        """The variable at the end, if the list is open."""
+        """Variable at the end of an open list, or None."""
         rest: Term = self
         while isinstance(rest, Cons):
             rest = rest.tail
@@ -426,28 +425,28 @@ class Cons:
 
 
 class Compound:
-    """Base of all other terms: operations, and parts of programs that are terms."""
+    """Base of operations, and of parts of programs as terms."""
 
     __slots__ = ()
 
     @property
     def ground(self) -> bool:
-        """True if substitution leaves it unchanged."""
+        """Whether substitution leaves the term unchanged."""
         raise NotImplementedError
 
     @property
     def size(self) -> int:
-        """Number of its parts."""
+        """Number of parts."""
         raise NotImplementedError
 
     @property
     def depth(self) -> int:
-        """Number of terms nested in each other."""
+        """Nesting of terms."""
         raise NotImplementedError
 
 
 Term: TypeAlias = float | str | Literal | Var | Nil | Cons | Compound
-"""Everything that can stand in a literal or a context; numbers and strings are Python's own."""
+"""Argument of a literal or part of a context."""
 List: TypeAlias = Nil | Cons
 
 
@@ -457,12 +456,12 @@ _PLAIN = (float, str)
 
 
 def is_ground(term: Term) -> bool:
-    """Return True if substitution leaves the term unchanged."""
+    """Return whether substitution leaves the term unchanged."""
     return isinstance(term, _PLAIN) or term.ground
 
 
 def measure(terms: tuple[Term, ...]) -> tuple[int, int]:
-    """Return size and depth of a term with these parts; refuse one over the limits."""
+    """Return size and depth of a term with these parts. Raises `TooDeepError` over the limits."""
     size, depth = 1, 0
     for term in terms:
         if isinstance(term, str):
@@ -484,22 +483,22 @@ def _refuse(size: int) -> NoReturn:
 # ---- namespaces
 
 DEFAULT = Literal("default")
-"""The namespace of what has no other."""
+"""Default namespace."""
 
 
 def namespace_of(functor: str) -> str:
-    """Return the namespace in front of a functor, `default` if there is none."""
+    """Return the namespace of a functor, by default `default`."""
     prefix, separator, _ = functor.rpartition("::")
     return prefix if separator else "default"
 
 
 def is_placed(term: Term) -> bool:
-    """Return True for a literal in a namespace, for which a variable without one cannot stand."""
+    """Return whether a term is a literal in a namespace, which plain variables do not match."""
     return term.__class__ is Literal and "::" in term.functor
 
 
 def placed(literal: Literal, namespace: str, negated: bool | None = None) -> Literal:
-    """Return a literal in another namespace; `negated` makes it negated or not."""
+    """Return a literal in another namespace. `negated` replaces its negation."""
     bare = literal.functor.rpartition("::")[2]
     functor = bare if namespace == "default" else f"{namespace}::{bare}"
     sign = literal.negated if negated is None else negated
@@ -511,21 +510,21 @@ def placed(literal: Literal, namespace: str, negated: bool | None = None) -> Lit
 
 @lru_cache(maxsize=4096)
 def atom(name: str) -> Literal:
-    """Return the atom of a name: the same for all that read it, which are soon compared."""
+    """Return the atom of a name, shared because identical atoms are compared faster."""
     return Literal(name)
 
 
 TRUE = Literal("true")
 FALSE = Literal("false")
 FROM_SELF = Literal("source", (Literal("self"),))
-#: The annotations of most beliefs and goals.
+#: Annotations of most beliefs and goals.
 ONLY_SELF: tuple[Term, ...] = (FROM_SELF,)
 FROM_PERCEPT = Literal("source", (Literal("percept"),))
 ONLY_PERCEPT: tuple[Term, ...] = (FROM_PERCEPT,)
 
 
 def make_list(elements: Iterable[Term], tail: Term = EMPTY) -> Term:
-    """Return the list of `elements`, followed by `tail`."""
+    """Return the list of `elements` with a tail."""
     result = tail
     for element in reversed(list(elements)):
         result = Cons(element, result)
@@ -533,7 +532,7 @@ def make_list(elements: Iterable[Term], tail: Term = EMPTY) -> Term:
 
 
 def make_term(value: object) -> Term:
-    """Return the term for a Python value: a number, str, list, tuple, or a term itself."""
+    """Return the term for a Python number, str, bool, list or tuple, and terms unchanged."""
     if isinstance(value, Literal | Cons) or value.__class__ in _PLAIN:
         return cast(Term, value)
     if isinstance(value, str):
@@ -544,7 +543,7 @@ def make_term(value: object) -> Term:
         return float(value)
     if isinstance(value, list | tuple):
         return make_list(make_term(element) for element in value)
-    if hasattr(value, "depth"):  # as all other terms have
+    if hasattr(value, "depth"):  # another term
         return cast(Term, value)
     raise TypeError(f"a term must be a number, a text, a list or a term, not {value!r}")
 
@@ -553,7 +552,7 @@ def make_term(value: object) -> Term:
 
 
 def text(term: Term) -> str:
-    """Return a term as Jason prints it: strings in quotes, whole numbers without `.0`."""
+    """Return a term as printed by Jason, with strings in quotes and integers without `.0`."""
     if isinstance(term, str):
         return f'"{term}"'
     if isinstance(term, float):
@@ -562,7 +561,7 @@ def text(term: Term) -> str:
 
 
 def plain_text(term: Term) -> str:
-    """Return a string as it is and any other term as its `text`."""
+    """Return a string unchanged, and the `text` of other terms."""
     return term if isinstance(term, str) else text(term)
 
 
@@ -573,9 +572,9 @@ def _annots_text(annots: tuple[Term, ...]) -> str:
 
 
 def number_text(value: float) -> str:
-    """Return a double as Jason prints it: an integer if it is one of 64 bits, else Java's way.
+    """Return a double as printed by Jason: as an integer of 64 bits if possible, or as in Java.
 
-    `Double.toString` of Java writes plain decimals from 1e-3 up to 1e7 and `1.5E10` elsewhere.
+    `Double.toString` of Java writes decimals from 1e-3 up to 1e7, and `1.5E10` outside.
     """
     if math.isnan(value):
         return "NaN"
@@ -585,7 +584,7 @@ def number_text(value: float) -> str:
         return str(min(int(value), 2**63 - 1))
     if 1e-3 <= abs(value) < 1e7:
         return repr(value)
-    # The fewest digits that tell the double from its neighbours, as in `repr`.
+    # The shortest digits that identify the double, as in `repr`.
     sign, digits, exponent = Decimal(repr(value)).normalize().as_tuple()
     first, rest = str(digits[0]), "".join(map(str, digits[1:]))
     power = int(exponent) + len(digits) - 1

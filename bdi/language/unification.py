@@ -1,11 +1,10 @@
 """Unification of terms: Robinson's algorithm (1965) over triangular unifiers, without occurs check.
 
-As in Prolog and in Jason a variable may be bound to a term that contains it; substitution then
-nests too deeply and stops the agent. Two things are AgentSpeak's own: annotations unify as subsets,
-and arithmetic is evaluated before it is compared.
+As in Prolog and Jason, a variable may be bound to a term that contains it. Substitution then nests
+too deeply and stops the agent. Annotations unify as subsets, and arithmetic is evaluated before it
+is compared.
 
-What `unify` and `matched` find out about a pattern each time is found out here once. Forms that are
-not frequent are left to them.
+`matcher` and `belief_matcher` compile the frequent patterns.
 """
 
 from __future__ import annotations
@@ -32,10 +31,10 @@ from .terms import (
 
 
 def unify(one: Term, other: Term, u: Unifier) -> bool:
-    """Return True if the terms can be made equal, and bind in `u` the variables that this takes.
+    """Return whether the terms unify, with bindings in `u`.
 
-    The annotations of the first must be among those of the second. If the terms cannot be made
-    equal, `u` keeps the bindings made until then.
+    The annotations of the first term must be among those of the second. After a failure `u`
+    contains the bindings until then.
     """
     while one.__class__ is Var:
         value = u.get(one.name)
@@ -55,7 +54,7 @@ def unify(one: Term, other: Term, u: Unifier) -> bool:
         return _bind(other, one, u)
     if one.__class__ is Literal and other.__class__ is Literal:
         return unify_literals(one, other, u)
-    # Compared by class, not by isinstance: almost every call ends here, and that is quicker.
+    # Compared by class, because this is faster than isinstance and most calls end here.
     if one.__class__ is float or one.__class__ is str:
         if other.__class__ is Arithmetic or other.__class__ is Function:
             other = substitute(other, u)
@@ -67,7 +66,7 @@ def unify(one: Term, other: Term, u: Unifier) -> bool:
 
 
 def try_unify(one: Term, other: Term, u: Unifier) -> bool:
-    """Do as `unify`, but leave `u` unchanged if the terms cannot be made equal."""
+    """Unify as `unify`, but leave `u` unchanged after a failure."""
     attempt = dict(u)
     if not unify(one, other, attempt):
         return False
@@ -77,7 +76,7 @@ def try_unify(one: Term, other: Term, u: Unifier) -> bool:
 
 def _bind(var: Var, value: Term, u: Unifier) -> bool:
     if value.__class__ is Literal and "::" in value.functor:
-        return False  # the variable has no namespace, so what it stands for has none
+        return False  # a variable without namespace has no value in a namespace
     if value.__class__ is Qualified:
         namespace, inner = value.operands
         return not value.negated and unify(namespace, DEFAULT, u) and unify(var, inner, u)
@@ -85,8 +84,7 @@ def _bind(var: Var, value: Term, u: Unifier) -> bool:
         value = substitute(value, u)
     if value.__class__ is Var and value.name == var.name:
         return True
-    # Of two unbound variables the named one gets the value: its name means something else in
-    # another clause, whereas a fresh one is the same variable wherever it goes.
+    # Bind the named variable to the fresh one, because other clauses may use the name.
     if value.__class__ is Var and not value.fresh and var.fresh:
         u[value.name] = var
     else:
@@ -95,7 +93,7 @@ def _bind(var: Var, value: Term, u: Unifier) -> bool:
 
 
 def unify_literals(one: Literal, other: Literal, u: Unifier) -> bool:
-    """Do as `unify` for two literals."""
+    """Unify two literals."""
     if (
         one.functor != other.functor
         or len(one.args) != len(other.args)
@@ -112,15 +110,15 @@ def unify_literals(one: Literal, other: Literal, u: Unifier) -> bool:
 
 
 def unify_annots(mine: tuple[Term, ...], theirs: tuple[Term, ...], u: Unifier) -> bool:
-    """Unify each of `mine` with another one of `theirs`, or a tail of `mine` with what is left.
+    """Unify each annotation of `mine` with another one of `theirs`.
 
-    Those of `mine` that are not among `theirs` make up the tail of `theirs`, if that is open.
+    An open tail of `mine` unifies with the rest of `theirs`. An open tail of `theirs` unifies with
+    the annotations of `mine` that `theirs` lacks.
     """
-    # Each takes the first that fits, as in Jason, and none is exchanged for another later: finding
-    # a pairing whenever there is one is NP-complete (D. Kapur and P. Narendran, "NP-completeness of
-    # the set unification and matching problems", CADE 1986). Queries try every choice of a belief's
-    # annotations instead (`Logic._with_annots`).
-    # Annotations are a set: `p[a]` unifies with `p[b, a]`, but not the other way round.
+    # As in Jason, each annotation unifies with the first possible one without backtracking, because
+    # set unification is NP-complete (D. Kapur and P. Narendran, "NP-completeness of the set
+    # unification and matching problems", CADE 1986). Queries try all choices of the annotations of
+    # a belief (`Logic._with_annots`).
     remaining = [annot for annot in theirs if not isinstance(annot, RestVar)]
     tail = theirs[-1] if len(remaining) < len(theirs) else None
     missing: list[Term] = []
@@ -158,7 +156,7 @@ def _unify_others(one: Term, other: Term, u: Unifier) -> bool:
     if isinstance(one, Var) or isinstance(other, Var):
         return unify(_plain(one), _plain(other), u)
     if isinstance(one, Operation) and isinstance(other, Operation):
-        # Operations, as terms, are the same if their operators are; nothing is computed.
+        # Operations unify as terms, without evaluation.
         pairs = zip(one.operands, other.operands)  # noqa: B905 - equal with equal symbols
         return one.symbol == other.symbol and all(unify(*pair, u) for pair in pairs)
     if isinstance(one, TriggerTerm) and isinstance(other, TriggerTerm):
@@ -181,11 +179,11 @@ def _unify_quoted(one: Quoted, other: Quoted, u: Unifier) -> bool:
     if isinstance(one, BodyTerm) and isinstance(other, BodyTerm):
         return _unify_bodies(one, other, u)
     if isinstance(one, PlanTerm) and isinstance(other, PlanTerm):
-        # The label of a plan is a name for it and no part of what it does.
-        label, given = one.plan.label, other.plan.label
-        if isinstance(given, Var):
-            label, given = given, label
-        if isinstance(label, Var) and given is not None and not unify(label, given, u):
+        # Plans with different labels unify, but a variable is bound to the label.
+        label, value = one.plan.label, other.plan.label
+        if isinstance(value, Var):
+            label, value = value, label
+        if isinstance(label, Var) and value is not None and not unify(label, value, u):
             return False
         return _unify_all(one.plan.parts[1:], other.plan.parts[1:], u)
     if isinstance(one, RuleTerm) and isinstance(other, RuleTerm):
@@ -199,10 +197,7 @@ def _unify_all(ones: tuple[Term, ...], others: tuple[Term, ...], u: Unifier) -> 
 
 
 def _unify_bodies(one: BodyTerm, other: BodyTerm, u: Unifier) -> bool:
-    """Unify step by step; a variable as last step is what is left of the other body.
-
-    As the only step it stands for a body of several, or for the step of a body of one.
-    """
+    """Unify bodies step by step. A variable as the last step unifies with all further steps."""
     if not one.body or not other.body:
         return one.body == other.body
     for pattern, value in ((one, other), (other, one)):
@@ -244,7 +239,7 @@ def _variable_step(step: BodyFormula) -> Var | None:
 
 
 def _step_term(step: BodyFormula, bare: bool = False) -> Term:
-    """Return what a variable for a step stands for: an action itself, or a body of one step."""
+    """Return the value of a variable for a step: an action, or a body of one step."""
     if isinstance(step, Act):
         return step.action
     return step.relation if isinstance(step, Constraint) else BodyTerm((step,), bare)
@@ -262,8 +257,7 @@ def _unify_lists(one: Cons, other: Cons, u: Unifier) -> bool:
             return True
         if not unify(mine.head, theirs.head, u):
             return False
-        # A loop over the cells, since lists are long and recursion is not: the tails may be
-        # variables whose value goes on.
+        # A loop instead of recursion, because lists may be long. The tails may be variables.
         mine, theirs = walk(mine.tail, u), walk(theirs.tail, u)
     return unify(mine, theirs, u)
 
@@ -271,16 +265,15 @@ def _unify_lists(one: Cons, other: Cons, u: Unifier) -> bool:
 def _unify_annotated(one: Term, other: Term, u: Unifier) -> bool:
     """Unify two terms of which at least one is a variable with annotations, `X[a] = p[a, b]`.
 
-    The annotations of the first are among those of the second. A variable with annotations takes
-    its value without them.
+    The annotations of the first term must be among those of the second. The variable is bound to a
+    value without annotations.
     """
     if isinstance(one, Literal | AnnotatedVar | Var) and isinstance(other, Literal | AnnotatedVar):
         mine = one.annots if isinstance(one, Literal | AnnotatedVar) else ()
         if mine and not unify_annots(mine, other.annots, u):
             return False
     elif isinstance(one, AnnotatedVar) and isinstance(other, Var):
-        # X[a] asks for an annotation that a variable without a value does not have; X[|R] asks for
-        # none.
+        # An unbound variable has no annotations, so X[a] does not unify with it, but X[|R] does.
         only_rest = len(one.annots) == 1 and isinstance(one.annots[0], RestVar)
         if not (only_rest and unify_annots(one.annots, (), u)):
             return False
@@ -301,14 +294,14 @@ def _unify_qualified(one: Term, other: Term, u: Unifier) -> bool:
             for mine, theirs in zip(one.operands, other.operands, strict=True)
         )
     qualified, literal = (one, other) if isinstance(one, Qualified) else (other, one)
-    assert isinstance(qualified, Qualified)  # one of the two is
-    # With its namespace known it is a plain literal; until then the parts are unified one by one.
+    assert isinstance(qualified, Qualified)  # as the callers ensure
+    # With a known namespace it becomes a literal. Otherwise the parts are unified one by one.
     value = substitute(qualified, u)
     if not isinstance(value, Qualified):
         return unify(value, other, u) if qualified is one else unify(one, value, u)
     namespace, inner = value.operands
     if not isinstance(literal, Literal):
-        # Numbers, strings and lists are in no namespace, and a variable in one may stand for them.
+        # Numbers, strings and lists have no namespace, but a variable in one may unify with them.
         return inner.__class__ is Var and not value.negated and unify(inner, literal, u)
     if value.negated and not literal.negated:
         return False
@@ -319,18 +312,17 @@ def _unify_qualified(one: Term, other: Term, u: Unifier) -> bool:
 
 
 def unified(one: Term, other: Term, u: Unifier) -> Unifier | None:
-    """Return `u` extended so that the terms are equal, or None. `u` itself is not changed."""
+    """Return a copy of `u` with the bindings that unify the terms, or None."""
     result = dict(u)
     return result if unify(one, other, result) else None
 
 
 def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
-    """Return `unified` of a query without annotations and a belief of its functor and arity.
+    """Return `unified` of a query without annotations and a belief with the same key.
 
-    Most of a program's time is spent here, so the frequent arguments, numbers, strings and atoms,
-    are compared in place, and `u` is copied only when there is something to bind.
+    Numbers, strings and atoms are compared here, and `u` is copied only for a binding, because most
+    programs spend most of their time here.
     """
-    # A belief with variables of its own may bind them, which the short cuts below don't look for.
     if not belief.ground:
         return unified(pattern, belief, u)
     result = u
@@ -369,10 +361,7 @@ Match: TypeAlias = Callable[[Literal], Unifier | None]
 
 
 def matcher(pattern: Literal | Var | Qualified) -> Match:
-    """Return a function that unifies a trigger with the literal of an event.
-
-    The two are known to have the same functor and arity.
-    """
+    """Return a function that unifies a trigger with the literal of an event of the same key."""
     if pattern.__class__ is not Literal or pattern.annots:
         return lambda literal: _unified(pattern, literal)
     args = pattern.args
@@ -406,10 +395,7 @@ def _unified(pattern: Term, literal: Literal) -> Unifier | None:
 
 
 def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | None]:
-    """Return a function equal to `lambda belief, u: matched(query, belief, u)`, but faster.
-
-    It is faster for queries whose arguments are variables, each another one, as most are.
-    """
+    """Return `matched` for a query, compiled if its arguments are distinct variables."""
     names = [arg.name for arg in query.args if arg.__class__ is Var]
     if not names or len(set(names)) < len(query.args):
         return lambda belief, u: matched(query, belief, u)

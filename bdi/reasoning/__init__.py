@@ -1,6 +1,6 @@
-"""The reasoning cycle of an agent: beliefs, plans, intentions, and what moves them on.
+"""Parts of the reasoning cycle: beliefs, plans and intentions.
 
-`cycle` takes a step: `deliberation` chooses a plan for an event, `execution` carries out a step of
-an intention, `failure` and `achievement` end goals. `logic` answers formulas from the beliefs,
-`circumstance` holds the events and intentions there are, and `state` is what all of them share.
+`deliberation` chooses a plan for an event. `execution` carries out a step of an intention, and
+`failure` ends goals. `contexts` and `logic` evaluate formulas over the beliefs. `circumstance`
+contains the events and intentions, and `state` all shared values.
 """

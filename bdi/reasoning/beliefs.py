@@ -1,8 +1,7 @@
-"""The belief base: beliefs and rules indexed by functor, arity and first argument.
+"""The belief base: beliefs and rules, indexed by functor, arity and first argument.
 
-Programs ask the same of the same beliefs again and again, as for the station after this one.
-
-Beside them are live beliefs, which a source supplies whenever a query asks for them.
+Answers of rules are cached, because programs repeat their queries. A source supplies live beliefs
+for each query.
 """
 
 from __future__ import annotations
@@ -32,57 +31,57 @@ Question: TypeAlias = tuple[Term | None, ...]
 """Arguments of a query: values without variables, and None for each variable."""
 
 Values: TypeAlias = tuple[Term, ...]
-"""Values of the variables of a query, in one of its answers."""
+"""Values of the variables of a query in one answer."""
 
 
 class CachedAnswers:
-    """Answers of a `source` to one question, found out as far as anybody has asked for them.
+    """Answers from a `source` to one question, cached as far as they were requested.
 
-    `failures` is asked how many internal actions have failed.
+    `failures` returns the number of failures of internal actions.
     """
 
     def __init__(self, source: Iterator[Values], failures: Callable[[], int]) -> None:
         self.is_cacheable = True
-        """False once it turns out that they have to be found out anew the next time."""
+        """False if the answers must be computed again for the next query."""
         self._source = source
         self._failures = failures
-        self._found: list[Values] = []
+        self._rows: list[Values] = []
 
     def __iter__(self) -> Iterator[Values]:
         at = 0
-        while at < len(self._found) or self._find_another():
-            yield self._found[at]
+        while at < len(self._rows) or self._fetch():
+            yield self._rows[at]
             at += 1
 
-    def _find_another(self) -> bool:
-        """Find the next answer; return whether there is one."""
+    def _fetch(self) -> bool:
+        """Request the next answer. Return whether there is one."""
         before, is_cacheable, self.is_cacheable = self._failures(), self.is_cacheable, False
-        values = next(self._source, None)  # if this raises, they are not cacheable
-        # A failure is reported each time, and variables are other ones each time.
+        values = next(self._source, None)  # not cacheable if this raises
+        # Failures must be reported, and variables renamed, for each query.
         self.is_cacheable = is_cacheable and self._failures() == before
         if values is None:
             return False
         self.is_cacheable = self.is_cacheable and all(map(is_ground, values))
-        self._found.append(values)
+        self._rows.append(values)
         return True
 
 
-#: A rank and a belief or rule: the lower the rank, the earlier it is tried.
+#: Rank and clause. Lower ranks are tried first.
 _Entry = tuple[int, "Literal | Rule"]
 
 _by_rank = itemgetter(0)
 
 
 class ClauseIndex:
-    """The beliefs and rules of one functor and arity.
+    """Beliefs and rules of one functor, arity and negation.
 
-    Many are also indexed by their first argument, as clauses are in Prolog. Those whose first
-    argument is not ground, and the rules, are `loose`: they may answer any query. What answers
-    queries with one first argument is kept until something changes.
+    Larger indexes also use the first argument, as Prolog does. Rules, and beliefs whose first
+    argument is not ground, are `loose`, because they may answer any query. The candidates for each
+    first argument are cached until a clause changes.
     """
 
     is_cacheable = True
-    """False for an index in which each query may find other answers."""
+    """Whether the answers only change with the clauses."""
 
     _MANY = 2
     _MOST_COLLECTED = 16
@@ -95,29 +94,29 @@ class ClauseIndex:
         self._front = 0
         self._back = 0
         self._ordered: tuple[Literal | Rule, ...] | None = None
-        self._known: dict[Term, tuple[Literal | Rule, ...]] = {}
+        self._candidates: dict[Term, tuple[Literal | Rule, ...]] = {}
         self.collected: dict[tuple[str, ...], tuple[Term, int]] = {}
-        """Lists of all answers to a query of these names, with the goals they took, as they are."""
+        """Lists of all answers by the names in the query, with the number of goals tried."""
         self.answers: dict[Question, CachedAnswers] | None = None
-        """Cached answers of the rules by the values of the query; None if they cannot be cached."""
+        """Cached answers of the rules by question, or None if they cannot be cached."""
         self.readers: tuple[ClauseIndex, ...] = ()
-        """Indexes with rules whose answers depend on the clauses here."""
+        """Indexes whose cached answers depend on these clauses."""
 
     def collect(self, names: tuple[str, ...], answers: Term, goals: int) -> tuple[Term, int]:
-        """Keep all answers to a query of these names until something changes."""
+        """Cache the list of all answers to a query until a clause changes."""
         if len(self.collected) >= self._MOST_COLLECTED:
             self.collected.clear()
         self.collected[names] = answers, goals
         return self.collected[names]
 
     def cache_answers(self, dependencies: Iterable[ClauseIndex]) -> None:
-        """Cache the answers of the rules until something in one of these indexes changes."""
+        """Cache the answers of the rules until a clause of these indexes changes."""
         self.answers = {}
         for index in dependencies:
             index.readers += (self,)
 
     def _changed(self) -> None:
-        """Forget what followed from what was here."""
+        """Clear the caches after a change."""
         self._ordered = None
         self.collected.clear()
         for index in self.readers:
@@ -127,7 +126,7 @@ class ClauseIndex:
         return len(self._entries)
 
     def all(self) -> tuple[Literal | Rule, ...]:
-        """Return all that is kept, in order."""
+        """Return all clauses in order."""
         if self._ordered is None:
             self._ordered = _in_order(self._entries)
         return self._ordered
@@ -145,7 +144,7 @@ class ClauseIndex:
             self._front = rank = self._front - 1
         key: object
         if isinstance(clause, Rule):
-            # Rules may be equal and still be two; a belief is kept once, under its arguments.
+            # Equal rules are kept separately, equal beliefs once.
             key = rank
             self.rules += 1
         else:
@@ -153,39 +152,39 @@ class ClauseIndex:
         self._entries[key] = (rank, clause)
         self._changed()
         if self._by_first is not None:
-            self._known.clear()
+            self._candidates.clear()
             self._file(key, (rank, clause))
-        # An index costs more than it saves until there are a few to choose from.
+        # The index by first argument costs more than it saves for fewer clauses.
         elif len(self._entries) > self._MANY:
             self._by_first = {}
-            for known, entry in self._entries.items():
-                self._file(known, entry)
+            for filed, entry in self._entries.items():
+                self._file(filed, entry)
 
     def replace(self, belief: Literal) -> None:
-        """Put a belief with other annotations in its old place."""
+        """Replace a belief by one with other annotations, at the same rank."""
         rank, _ = self._entries[belief.args]
         self._entries[belief.args] = (rank, belief)
         self._changed()
         if self._by_first is not None:
-            self._known.clear()
+            self._candidates.clear()
             self._file(belief.args, (rank, belief))
 
     def swap(self, belief: Literal) -> Literal | None:
-        """Put a belief in the place of the only one there is, if that has the same annotations.
+        """Replace the only belief by another one with the same annotations.
 
-        Return the one that was there, or None if nothing has changed.
+        Return the replaced belief, or None if this is not possible.
         """
         if len(self._entries) != 1:
             return None
-        ((rank, known),) = self._entries.values()
-        if isinstance(known, Rule) or known.annots is not belief.annots:
+        ((rank, previous),) = self._entries.values()
+        if isinstance(previous, Rule) or previous.annots is not belief.annots:
             return None
         self._entries = {belief.args: (rank, belief)}
         self._changed()
         self._ordered = (belief,)
         if self._by_first is not None:
-            self._by_first, self._loose, self._known = None, {}, {}
-        return known
+            self._by_first, self._loose, self._candidates = None, {}, {}
+        return previous
 
     def remove(self, args: tuple[Term, ...]) -> None:
         """Remove the belief with these arguments."""
@@ -193,7 +192,7 @@ class ClauseIndex:
         self._changed()
         if self._by_first is None:
             return
-        self._known.clear()
+        self._candidates.clear()
         if args and is_ground(args[0]):
             bucket = self._by_first[args[0]]
             del bucket[args]
@@ -203,13 +202,13 @@ class ClauseIndex:
             del self._loose[args]
 
     def remove_rule(self, rule: Rule) -> None:
-        """Remove a rule, the very one."""
+        """Remove this rule object."""
         key = next(key for key, (_, clause) in self._entries.items() if clause is rule)
         del self._entries[key]
         self.rules -= 1
         self._changed()
         if self._by_first is not None:
-            self._known.clear()
+            self._candidates.clear()
             del self._loose[key]
 
     def _file(self, key: object, entry: _Entry) -> None:
@@ -219,33 +218,32 @@ class ClauseIndex:
         else:
             self._loose[key] = entry
 
-    def kept(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
-        """Return what is kept and may answer a query, in order."""
+    def stored(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
+        """Return the stored clauses that may answer a query, in order."""
         if self._by_first is None or not query.args:
             return self._ordered or self.all()
         first = query.args[0]
         if first.__class__ is Var:
             first = u.get(first.name, first)
-        known = self._known.get(first)
-        if known is not None:
-            return known
+        candidates = self._candidates.get(first)
+        if candidates is not None:
+            return candidates
         first = substitute(first, u)
         if not is_ground(first):
             return self._ordered or self.all()
         bucket = self._by_first.get(first, {})
-        known = _in_order({**bucket, **self._loose} if self._loose else bucket)
+        candidates = _in_order({**bucket, **self._loose} if self._loose else bucket)
         if bucket:
-            self._known[first] = known
-        return known
+            self._candidates[first] = candidates
+        return candidates
 
-    # What may answer a query, and all that can, in order. Aliases, not methods that call the
-    # others: most indexes have nothing live, and every query comes here.
-    candidates = kept
+    # Aliases instead of methods that call the others, because every query uses them.
+    candidates = stored
     everything = all
 
 
 class LiveClauseIndex(ClauseIndex):
-    """Clause index whose `source` each query calls. Its answers come before what is kept."""
+    """Clause index with a `source` that each query calls. Its beliefs precede the stored ones."""
 
     is_cacheable = False
 
@@ -258,16 +256,16 @@ class LiveClauseIndex(ClauseIndex):
         self._source = source
 
     def candidates(self, query: Literal, u: Unifier) -> tuple[Literal | Rule, ...]:
-        """Return what may answer a query, in order."""
-        return (*self._live(), *self.kept(query, u))
+        """Return the clauses that may answer a query, in order."""
+        return (*self._live(), *self.stored(query, u))
 
     def everything(self) -> tuple[Literal | Rule, ...]:
-        """Return all that may answer a query for anything, in order."""
+        """Return all clauses in order, with the live beliefs."""
         return (*self._live(), *self.all())
 
     def _live(self) -> Iterator[Literal]:
-        for given in self._source():
-            args = tuple([float(arg) if isinstance(arg, int | float) else arg for arg in given])
+        for values in self._source():
+            args = tuple([float(arg) if isinstance(arg, int | float) else arg for arg in values])
             if len(args) != self._arity:
                 taken = f"{self._functor} takes {self._arity} arguments"
                 raise ValueError(f"{taken}, and its source gave {len(args)}")
@@ -282,50 +280,49 @@ def _in_order(entries: dict[object, _Entry]) -> tuple[Literal | Rule, ...]:
 
 
 MOST_LAYERS = 12
-"""Largest number of rules of which each asks the next."""
+"""Maximum number of rules that query each other in a chain."""
 
 
 @dataclass(frozen=True)
 class Dependencies:
-    """Keys of all that rules query, directly or through others; True if answers can be cached."""
+    """Keys that rules query, directly or through other rules, and whether answers can be cached."""
 
     keys: frozenset[Key]
     is_cacheable: bool
 
 
 def dependencies_of(clauses: Mapping[Key, ClauseIndex], key: Key) -> Dependencies | None:
-    """Return what the rules of that key go back to; None where they are not plain throughout.
+    """Return the dependencies of the rules of a key, or None if one of the rules is not plain.
 
-    Plain ones have values and variables for arguments, and ask each other no more than
-    `MOST_LAYERS` times over, so that none goes back to itself.
+    The arguments of plain rules are values and distinct variables. Chains of plain rules have at
+    most `MOST_LAYERS` rules, so that no rule depends on itself.
     """
-    found, is_cacheable, asked = {key}, True, {key}
+    keys, is_cacheable, layer = {key}, True, {key}
     for _ in range(MOST_LAYERS):
-        there = [clauses[one] for one in asked if one in clauses]
-        rules = [one for index in there for one in index.all() if isinstance(one, Rule)]
+        indexes = [clauses[one] for one in layer if one in clauses]
+        rules = [one for index in indexes for one in index.all() if isinstance(one, Rule)]
         if not all(are_apart(rule.head.args) for rule in rules):
             return None
-        is_cacheable = is_cacheable and all(index.is_cacheable for index in there)
+        is_cacheable = is_cacheable and all(index.is_cacheable for index in indexes)
         is_cacheable = is_cacheable and all(rule.is_cacheable for rule in rules)
-        asked = {one for rule in rules for one in rule.queried_keys}
-        if not asked:
-            return Dependencies(frozenset(found), is_cacheable)
-        found |= asked
-    # Rules that go back to themselves are never through with asking, and end here as well.
-    return None
+        layer = {one for rule in rules for one in rule.queried_keys}
+        if not layer:
+            return Dependencies(frozenset(keys), is_cacheable)
+        keys |= layer
+    return None  # also for recursive rules, which have endless chains
 
 
 LiveBeliefs: TypeAlias = Mapping[tuple[str, int], Callable[[], Iterable[tuple[Term, ...]]]]
-"""By functor and arity: a function that returns the arguments of each belief that holds now."""
+"""Functions by functor and arity, which return the arguments of the current beliefs."""
 
 
 def has_source(literal: Literal) -> bool:
-    """Return True if an annotation says where the literal comes from."""
+    """Return whether the literal has a source."""
     return any(isinstance(annot, Literal) and annot.functor == "source" for annot in literal.annots)
 
 
 def with_source(literal: Literal) -> Literal:
-    """Return the literal with a source: its own, or else the agent itself."""
+    """Return the literal with its source, by default `self`."""
     if not literal.annots:
         return literal.with_annots(ONLY_SELF)
     if literal.annots is ONLY_SELF or has_source(literal):
@@ -338,10 +335,14 @@ def _among(some: tuple[Term, ...], others: tuple[Term, ...]) -> bool:
 
 
 class BeliefBase:
-    """Beliefs and rules. Live beliefs answer queries and are not counted among the others.
+    """Beliefs and rules. Iteration yields the beliefs, without live beliefs.
 
-    `clauses` are the beliefs and rules by functor, arity and negation. `lost_percepts` are the
-    beliefs that lost the source `percept` since the last update from percepts, by identity.
+    Attributes
+    ----------
+    clauses
+        Beliefs and rules by functor, arity and negation.
+    lost_percepts
+        Beliefs that lost the source `percept` since the last update from percepts, by identity.
     """
 
     def __init__(self, live: LiveBeliefs = MappingProxyType({})) -> None:
@@ -354,7 +355,7 @@ class BeliefBase:
         self._read: list[ClauseIndex] = []
 
     def __iter__(self) -> Iterator[Literal]:
-        """Iterate over the beliefs, without the rules."""
+        """Iterate over the stored beliefs."""
         for index in self.clauses.values():
             for clause in index.all():
                 if isinstance(clause, Literal):
@@ -364,39 +365,36 @@ class BeliefBase:
         return sum(len(index) - index.rules for index in self.clauses.values())
 
     def all_clauses(self) -> tuple[Literal | Rule, ...]:
-        """Return all that may answer a query for anything."""
+        """Return all beliefs and rules, with the live beliefs."""
         return tuple(c for index in self.clauses.values() for c in index.everything())
 
     def find(self, literal: Literal) -> Literal | None:
-        """Return the belief that equals a literal, annotations aside."""
+        """Return the belief that equals a literal except for annotations, or None."""
         index = self.clauses.get(literal.key)
         return None if index is None else index.find(literal.args)
 
     def add_rule(self, rule: Rule, *, at_end: bool = False) -> None:
         """Add a rule before the clauses of its functor and arity, or after them."""
         self._index(rule.head.key).add(rule, at_end=at_end)
-        self._find_out_anew()
+        self._forget_dependencies()
 
     def remove_rule(self, rule: Rule) -> None:
-        """Remove the first rule that is the same and has the annotations, if there is one."""
+        """Remove the first equal rule that has the annotations of `rule`, if any."""
         index = self.clauses.get(rule.head.key)
         if index is None:
             return
-        for known in index.all():
+        for stored in index.all():
             if (
-                isinstance(known, Rule)
-                and known.is_same(rule)
-                and _among(rule.head.annots, known.head.annots)
+                isinstance(stored, Rule)
+                and stored.is_same(rule)
+                and _among(rule.head.annots, stored.head.annots)
             ):
-                index.remove_rule(known)
-                self._find_out_anew()
+                index.remove_rule(stored)
+                self._forget_dependencies()
                 return
 
     def has_plain_rules(self, key: Key) -> bool:
-        """Return whether the rules of that key and those that they query are plain.
-
-        See `dependencies_of`.
-        """
+        """Return whether a key has plain rules only, as defined in `dependencies_of`."""
         if key not in self._dependencies:
             dependencies = self._dependencies[key] = dependencies_of(self.clauses, key)
             if dependencies is not None and dependencies.is_cacheable:
@@ -405,8 +403,8 @@ class BeliefBase:
                 self._read += read
         return self._dependencies[key] is not None
 
-    def _find_out_anew(self) -> None:
-        """Forget what rules go back to: there is another index, or another rule."""
+    def _forget_dependencies(self) -> None:
+        """Clear the dependencies after a change of rules, or for a new index."""
         if not self._dependencies:
             return
         self._dependencies.clear()
@@ -415,11 +413,11 @@ class BeliefBase:
         self._read.clear()
 
     def _index(self, key: Key) -> ClauseIndex:
-        """Return the index of a key, a new one if there is none yet."""
+        """Return the index of a key, created if necessary."""
         index = self.clauses.get(key)
         if index is None:
             index = self.clauses[key] = ClauseIndex()
-            self._find_out_anew()
+            self._forget_dependencies()
         return index
 
     def rules(self) -> list[Rule]:
@@ -428,66 +426,65 @@ class BeliefBase:
         return [clause for index in clauses for clause in index.all() if isinstance(clause, Rule)]
 
     def add(self, literal: Literal, *, at_end: bool = False) -> Literal | None:
-        """Add a belief, or annotations to one. Return what is new of it, or None."""
+        """Add a belief, or annotations to one. Return it with the new annotations, or None."""
         index = self._index(literal.key)
-        known = index.find(literal.args)
-        if known is None:
+        belief = index.find(literal.args)
+        if belief is None:
             index.add(literal, at_end=at_end)
             return literal
-        # Only what is new makes an event, and the event has nothing else.
-        added = tuple(annot for annot in literal.annots if annot not in known.annots)
+        added = tuple(annot for annot in literal.annots if annot not in belief.annots)
         if not added:
             return None
-        index.replace(with_more_annots(known, *added))
+        index.replace(with_more_annots(belief, *added))
         return literal.with_annots(added)
 
     def perceive(self, percept: Literal) -> Literal | None:
-        """Believe a percept. Return what is new, as `add`; None if it is believed as one."""
+        """Add a percept. Return as `add`, or None if it is already believed as a percept."""
         index = self._index(percept.key)
-        known = index.find(percept.args)
-        if known is not None and FROM_PERCEPT in known.annots:
+        previous = index.find(percept.args)
+        if previous is not None and FROM_PERCEPT in previous.annots:
             return None
         if percept.annots:
             belief = with_more_annots(percept, FROM_PERCEPT)
         else:
             belief = percept.with_annots(ONLY_PERCEPT)
-        if known is not None:
+        if previous is not None:
             return self.add(belief)
         index.add(belief)
         return belief
 
     def forget_percept(self, percept: Literal) -> Literal | None:
-        """Stop believing a percept, unless it has other sources. Return as `remove`."""
+        """Remove the source `percept` from a belief. Return as `remove`."""
         index = self.clauses.get(percept.key)
-        known = None if index is None else index.find(percept.args)
-        if index is None or known is None or FROM_PERCEPT not in known.annots:
+        belief = None if index is None else index.find(percept.args)
+        if index is None or belief is None or FROM_PERCEPT not in belief.annots:
             return None
-        if known.annots is ONLY_PERCEPT:
-            index.remove(known.args)
-            return known
+        if belief.annots is ONLY_PERCEPT:
+            index.remove(belief.args)
+            return belief
         removed = percept.with_annots(ONLY_PERCEPT)
-        self._strip(index, known, ONLY_PERCEPT)
-        del self.lost_percepts[known.identity]  # nothing that the program has done
+        self._strip(index, belief, ONLY_PERCEPT)
+        del self.lost_percepts[belief.identity]  # because the program did not remove it
         return removed
 
     def remove(self, literal: Literal, u: Unifier) -> Literal | None:
-        """Take annotations off a belief, and remove it when it has no source left.
+        """Remove annotations from a belief, and the belief with its last source.
 
-        A literal with variables that is not believed as it stands removes the first belief with
-        which it unifies, and binds them in `u`. Return the literal removed, or None.
+        A literal with variables removes the first belief with which it unifies, unless it is itself
+        believed. Its variables are bound in `u`. Return the removed literal, or None.
         """
         index = self.clauses.get(literal.key)
         if index is None:
             return None
-        known = index.find(literal.args)
-        if known is not None and _among(literal.annots, known.annots):
-            if not literal.annots and has_source(known):
+        stored = index.find(literal.args)
+        if stored is not None and _among(literal.annots, stored.annots):
+            if not literal.annots and has_source(stored):
                 return None
-            self._strip(index, known, literal.annots)
+            self._strip(index, stored, literal.annots)
             return literal
         if literal.ground:
             return None
-        for belief in index.kept(literal, u):
+        for belief in index.stored(literal, u):
             if isinstance(belief, Rule):
                 continue
             if literal.annots is belief.annots is ONLY_SELF:
@@ -501,17 +498,17 @@ class BeliefBase:
         return None
 
     def swap(self, literal: Literal) -> Literal | None:
-        """Put a belief of the agent's own in the place of the only one of its functor and arity.
+        """Replace the only belief of a key by another one, both with the source `self` alone.
 
-        Return the one that was there, or None if nothing has changed.
+        Return the replaced belief, or None if this is not possible.
         """
         index = self.clauses.get(literal.key)
         return None if index is None or literal.annots is not ONLY_SELF else index.swap(literal)
 
     def remove_first(self, key: Key, annots: tuple[Term, ...]) -> Literal | None:
-        """Take annotations off the first belief that has them all, whatever its arguments.
+        """Remove annotations from the first belief of a key that has all of them.
 
-        Return what was removed, or None if there is no such belief or it has other sources.
+        Return the removed belief, or None if there is no such belief or it has other sources.
         """
         index = self.clauses.get(key)
         if index is None:
@@ -528,11 +525,11 @@ class BeliefBase:
         return None
 
     def _strip(self, index: ClauseIndex, belief: Literal, annots: tuple[Term, ...]) -> bool:
-        """Take annotations off; return True if the belief was removed with its last source."""
+        """Remove annotations. Return whether the belief was removed with its last source."""
         if belief.annots is ONLY_SELF and annots is ONLY_SELF:
             index.remove(belief.args)
             return True
-        # It still holds: the next update from percepts believes it anew.
+        # The percept may still hold, so the next update adds the belief again.
         if FROM_PERCEPT in belief.annots and FROM_PERCEPT in annots:
             self.lost_percepts[belief.identity] = belief
         if belief.annots is annots:
@@ -546,7 +543,7 @@ class BeliefBase:
         return True
 
     def matching(self, pattern: Literal | Var | Qualified, u: Unifier) -> list[Literal]:
-        """Return the beliefs that unify with a pattern, each on its own."""
+        """Return the beliefs that unify with a pattern."""
         clauses: tuple[Literal | Rule, ...]
         if isinstance(pattern, Literal):
             index = self.clauses.get(pattern.key)

@@ -1,9 +1,9 @@
-"""The circumstance of an agent: its events, its intentions in all states, and its timers.
+"""The circumstance of an agent: events, intentions and timers.
 
 After the operational semantics of AgentSpeak (Bordini, Hübner and Wooldridge, "Programming
-Multi-Agent Systems in AgentSpeak using Jason", 2007, ch. 10): E the events, I the running
-intentions, PA those pending for an action and PI those pending for anything else. While there is
-an atomic intention, no event is taken and no other intention runs.
+Multi-Agent Systems in AgentSpeak using Jason", 2007, ch. 10): events E, running intentions I,
+intentions pending for an action PA, and pending for other reasons PI. An atomic intention stops
+events and other intentions.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ class TimerQueue:
 
     def set(self, clock: int, task: Callable[[], None]) -> Timer:
         """Schedule `task` at `clock` (ns)."""
-        alarm = Timer(task)
-        heapq.heappush(self.heap, (clock, next(self._order), alarm))
-        return alarm
+        timer = Timer(task)
+        heapq.heappush(self.heap, (clock, next(self._order), timer))
+        return timer
 
     @property
     def next(self) -> int | None:
@@ -173,8 +173,8 @@ class Circumstance:
     # ---- events
 
     def post(self, event: Event) -> None:
-        """Add an event to those to be dealt with."""
-        # While there is an atomic intention no other event is taken, so its own does not queue.
+        """Add an event to the queue."""
+        # The event of an atomic intention precedes all others.
         if event.intention is not None and event.intention.atomic:
             self.atomic_event = event
         else:
@@ -185,17 +185,17 @@ class Circumstance:
             self._notice(event)
 
     def post_state(self, event: Event) -> None:
-        """Add the event of a goal's state: before all others but those of states."""
-        place = sum(1 for known in self.events if known.sort[0] == "^")
+        """Insert the event of a goal state after those of other states, before all others."""
+        place = sum(1 for queued in self.events if queued.sort[0] == "^")
         self.events.insert(place, event)
 
     def all_events(self) -> list[Event]:
-        """Return the events to be dealt with, in order."""
+        """Return the queued events in order."""
         first = [] if self.atomic_event is None else [self.atomic_event]
         return [*first, *self.events]
 
     def remove_event(self, event: Event) -> None:
-        """Remove an event, suspended or not; the intention that waits for it ends."""
+        """Remove an event, suspended or not, and end the intention that waits for it."""
         if event is self.atomic_event:
             self.atomic_event = None
         self.events = deque(e for e in self.events if e is not event)
@@ -204,13 +204,13 @@ class Circumstance:
             self._dropped(event.intention)
 
     def remove_goals(self, goal: Literal, u: Unifier) -> None:
-        """Remove the `+!goal` events, suspended ones as well."""
+        """Remove the `+!goal` events, including suspended ones."""
         for event in [*self.events, *self.suspended_events]:
             if event.is_for(goal, dict(u)):
                 self.remove_event(event)
 
     def clear_events(self, *, only_goals: bool = False) -> None:
-        """Remove all events, or those of goals; the intentions that wait for them end."""
+        """Remove all events or those of goals, and end the intentions that wait for them."""
         for event in self.all_events():
             if event.intention is not None and (event.is_goal or not only_goals):
                 self._dropped(event.intention)
@@ -221,7 +221,7 @@ class Circumstance:
     # ---- intentions
 
     def add_running(self, intention: Intention) -> None:
-        """Put an intention at the end of those that run in turns."""
+        """Append an intention to the queue of running intentions."""
         if intention.atomic:
             self.atomic = intention
         else:
@@ -231,15 +231,15 @@ class Circumstance:
             self._notice(None)
 
     def is_running(self, intention: Intention) -> bool:
-        """Return True if an intention is atomic or runs in turns."""
+        """Return whether an intention is atomic or queued to run."""
         return intention is self.atomic or intention.in_line
 
     def remove_running(self, intention: Intention) -> bool:
-        """Take an intention out of those that run; return True if it was there."""
+        """Remove an intention from the running ones. Return whether it was there."""
         if intention is self.atomic:
             self.atomic = None
             return True
-        # Most that end are not in line, and need not be searched for.
+        # Most ending intentions are not queued and need no search.
         if not intention.in_line:
             return False
         intention.in_line = False
@@ -247,14 +247,14 @@ class Circumstance:
         return True
 
     def take_atomic(self) -> Intention | None:
-        """Take out the atomic intention, unless it is pending."""
+        """Remove and return the atomic intention, or None if it is pending."""
         if self.atomic_waits:
             return None
         intention, self.atomic = self.atomic, None
         return intention
 
     def suspend(self, kind: str, intention: Intention, reason: Term | None = None) -> None:
-        """Make an intention pending until something of a kind resumes it."""
+        """Make an intention pending with a kind of reason."""
         if intention.atomic:
             self.atomic = intention
             self.atomic_waits = True
@@ -267,19 +267,19 @@ class Circumstance:
             self._notice(None)
 
     def take_pending(self, intention: Intention, kind: str) -> bool:
-        """Take an intention out of those pending for a kind of thing; True if it was there."""
-        found = self.pending.get(intention.number)
-        return found is not None and found[0] == kind and self.unpend(intention)
+        """Remove an intention pending with this kind of reason. Return whether it was there."""
+        pending = self.pending.get(intention.number)
+        return pending is not None and pending[0] == kind and self.unpend(intention)
 
     def unpend(self, intention: Intention) -> bool:
-        """Take an intention out of those pending for whatever it is; True if it was there."""
+        """Remove an intention pending with any reason. Return whether it was there."""
         if self.pending.pop(intention.number, None) is None:
             return False
         self._release(intention)
         return True
 
     def resume(self, intention: Intention, reason: Term | None = None) -> None:
-        """Put an intention that was pending back among those that run."""
+        """Queue a formerly pending intention to run."""
         self.add_running(intention)
         if self.states is not None:
             self.states.note_top("executing", intention, reason)
@@ -290,7 +290,7 @@ class Circumstance:
             self.atomic_waits = False
 
     def expect(self, action: PendingAction) -> None:
-        """Make an intention pending for the outcome of its action."""
+        """Make an intention pending for the outcome of an action."""
         intention = action.intention
         if intention.atomic:
             self.atomic = intention
@@ -301,14 +301,14 @@ class Circumstance:
             self.states.note_top("waiting", intention, Literal("action", (action.action,)))
 
     def take_action(self, intention: Intention) -> PendingAction | None:
-        """Take an intention out of those pending for an action; return the action."""
+        """Remove an intention pending for an action. Return the action, or None."""
         action = self.pending_actions.pop(intention.number, None)
         if action is not None:
             self._release(intention)
         return action
 
     def report(self, wanted: int | Literal, success: bool) -> bool:
-        """Note the outcome of an action, named by its number or as it is; False if none is open."""
+        """Queue the outcome of an action, given by number or literal. Return False without one."""
         reported = [pending for pending, _ in self.feedback]
         for pending in self.pending_actions.values():
             if wanted in (pending.number, pending.action) and pending not in reported:
@@ -317,11 +317,11 @@ class Circumstance:
         return False
 
     def has_feedback(self) -> bool:
-        """Return True if an outcome has come for an intention that is not suspended."""
+        """Return whether an outcome has arrived for an intention that is not suspended."""
         return any(not action.intention.is_suspended for action, _ in self.feedback)
 
     def drop(self, intention: Intention) -> None:
-        """End an intention in whatever state it is."""
+        """End an intention in any state."""
         for event in [*self.all_events(), *self.suspended_events]:
             if event.intention is intention:
                 self.remove_event(event)
@@ -333,9 +333,9 @@ class Circumstance:
             self._dropped(intention)
 
     def clear_intentions(self) -> None:
-        """End all intentions but the selected one, and cancel the events announced by `.at`."""
-        for alarm in self.future_events:
-            alarm.cancel()
+        """End all intentions but the selected one, and cancel the events scheduled by `.at`."""
+        for timer in self.future_events:
+            timer.cancel()
         self.future_events.clear()
         self.atomic = None
         self.atomic_waits = False
@@ -359,7 +359,7 @@ class Circumstance:
             self.on_end(intention)
 
     def intentions(self) -> Iterator[Intention]:
-        """Iterate over all intentions, each once, in the order in which Jason searches them."""
+        """Iterate over all intentions in the search order of Jason."""
         seen: set[int] = set()
         candidates: list[Intention | None] = [
             None if self.selected_event is None else self.selected_event.intention,
@@ -391,10 +391,10 @@ class Circumstance:
 
 
 class GoalStates:
-    """Raises an event when a goal comes into another state: at the beginning of the next cycle.
+    """Recorder of changes of goal states, which become events at the beginning of the next cycle.
 
     The states are pending, executing, waiting, suspended, resumed, failed, achieved, dropped and
-    finished. An event comes before all others, and only if there is a plan for it.
+    finished. The events precede all others, and are raised only if there is a plan for them.
     """
 
     def __init__(self, circumstance: Circumstance, plans: PlanLibrary) -> None:
@@ -404,29 +404,29 @@ class GoalStates:
 
     @property
     def has_changes(self) -> bool:
-        """True if goals have changed since the last cycle."""
+        """Whether goals have changed since the last cycle."""
         return bool(self._changes)
 
     def note(self, state: str, sort: str, goal: Literal, reason: Term | None = None) -> None:
-        """Note that a goal is in another state; `sort` is that of its event, `+!` or `+?`."""
+        """Record a new state of a goal. `sort` is that of its event, `+!` or `+?`."""
         why = Literal("reason", ("" if reason is None else reason,))
         annot = Literal("state", (Literal(state),), (why,))
         self._changes.append(Event("^" + sort[1:], with_more_annots(goal, annot)))
 
     def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
-        """Note the state of the goal for which an intention carries out a plan."""
+        """Record the state of the goal of the active plan."""
         if intention.stack and intention.top.sort in ("+!", "+?"):
             self.note(state, intention.top.sort, intention.top.literal, reason)
 
     def note_all(self, state: str, intention: Intention, *, but: Literal | None = None) -> None:
-        """Note that all goals of an intention have ended, but one that is noted already."""
+        """Record a final state of all goals of an intention but `but`."""
         for means in intention.downwards():
             if means.sort in ("+!", "+?") and means.literal is not but:
                 self.note(state, means.sort, means.literal)
                 self.note("finished", means.sort, means.literal)
 
     def post(self) -> None:
-        """Post the events of the goals that have changed."""
+        """Raise the events of the recorded changes."""
         changes, self._changes = self._changes, []
         for event in changes:
             if self._plans.candidates(event.sort, event.literal):

@@ -1,7 +1,7 @@
 """Formulas compiled to functions that find their first solution, or all solutions.
 
 `Logic.solutions` evaluates what the functions cannot: recursive rules, which need its stack,
-queries with annotations, and variables that stand for formulas.
+queries with annotations, and formulas given by variables.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
-"""Deliberation: the plan adopted for an event, and goals that end before their plan.
+"""Deliberation: adoption of a plan for an event, and goals that end before their plan.
 
-That is what `.succeed_goal` and `.fail_goal` do, a goal condition (`<:`) that holds, and a
-deadline.
+Goals end early by `.succeed_goal`, `.fail_goal`, a goal condition (`<:`) or a deadline.
 """
 
 from __future__ import annotations
@@ -29,12 +28,12 @@ from .state import MILLISECOND, AgentState
 
 
 def deliberate(agent: AgentState) -> None:
-    """Take events until one is dealt with; those of beliefs without a plan are discarded."""
+    """Take events until one is handled. Belief events without a plan are discarded."""
     circumstance = agent.circumstance
-    # The selection functions are Jason's usual ones: the oldest event, and of its applicable plans
-    # the first in the program, with the first answer of its context (R. H. Bordini, J. F. Hübner
-    # and M. Wooldridge, "Programming Multi-Agent Systems in AgentSpeak using Jason", 2007, 4.1).
-    # What an atomic intention waits for comes before all else: nothing else runs meanwhile.
+    # The selection functions are the defaults of Jason: the oldest event, its first applicable
+    # plan, and the first solution of the context (R. H. Bordini, J. F. Hübner and M. Wooldridge,
+    # "Programming Multi-Agent Systems in AgentSpeak using Jason", 2007, 4.1). The event of an
+    # atomic intention comes first, because nothing else runs until it is handled.
     while True:
         event = circumstance.atomic_event
         if event is not None:
@@ -47,9 +46,9 @@ def deliberate(agent: AgentState) -> None:
         if agent.plans.has_inner:
             if agent.plans.has_inner_updates:
                 _share(agent, event)
-            found, is_relevant = _option_inside(agent, event)
-            if found is not None:
-                adopt(agent, found[0], event, found[1])
+            option, is_relevant = _option_inside(agent, event)
+            if option is not None:
+                adopt(agent, option[0], event, option[1])
                 return
         else:
             literal = event.literal
@@ -66,7 +65,7 @@ def deliberate(agent: AgentState) -> None:
             _no_plan(agent, event, "applicable" if is_relevant else "relevant")
             return
         if event.intention is not None:
-            # No plan for a change of belief: the plan that made it continues.
+            # Without a plan for its belief event, the plan that raised it continues.
             move_on(agent, event.intention, event.intention.top)
             return
 
@@ -75,9 +74,9 @@ _Option: TypeAlias = tuple[LoadedPlan, Unifier]
 
 
 def _option_inside(agent: AgentState, event: Event) -> tuple[_Option | None, bool]:
-    """Return the plan for an event, from the innermost library on; True if one was relevant.
+    """Return the plan for an event, and whether any plan is relevant.
 
-    The plans inside the plan that raised the event come first, then those beside that plan.
+    The subplans of the plan that raised the event are searched first, then the outer libraries.
     """
     if event.option is not None:
         return event.option, True
@@ -100,14 +99,14 @@ def _option_inside(agent: AgentState, event: Event) -> tuple[_Option | None, boo
 
 
 def _outwards(library: PlanLibrary | None) -> Iterator[PlanLibrary]:
-    """Yield the library of a plan, and those around it."""
+    """Yield the library of a plan and its outer libraries."""
     while library is not None:
         yield library
         library = library.outer
 
 
 def _begin(plan: LoadedPlan, literal: Literal, intention: Intention | None) -> Unifier | None:
-    """Return the bindings of a plan for an event: with those of the plan that it is inside of."""
+    """Return the bindings of a plan for an event. A subplan shares those of its plan."""
     if intention is not None and plan.scope is not None:
         for means in intention.downwards():
             if means.plan.inner is plan.scope:
@@ -116,9 +115,9 @@ def _begin(plan: LoadedPlan, literal: Literal, intention: Intention | None) -> U
 
 
 def _share(agent: AgentState, event: Event) -> None:
-    """Have each intention deal with a change of belief for which its plans have plans inside.
+    """Post a belief event for each intention that has a subplan for it.
 
-    The intention goes on; a copy of it carries the plan out, and ends with it.
+    A copy of the intention carries out the subplan and ends with it.
     """
     circumstance = agent.circumstance
     if event.intention is not None or len(event.sort) != 1 or event.option is not None:
@@ -154,7 +153,7 @@ _ENDING = Plan(
     label=None,
     trigger=Trigger("+", "", Literal("event")),
     context=TRUE,
-    # The first step is the one that waits for the event.
+    # The first step waits for the event.
     body=(Act(Literal(".perceive")), Act(Literal(".drop_intention"))),
 )
 
@@ -165,7 +164,7 @@ def _no_plan(agent: AgentState, event: Event, what: str) -> None:
 
 
 def adopt(agent: AgentState, plan: LoadedPlan, event: Event, u: Unifier) -> None:
-    """Put a plan on the intention that waits for the event, or on a new one."""
+    """Add a plan to the intention that waits for the event, or to a new one."""
     literal = event.literal if event.literal.ground else substitute_literal(event.literal, u)
     means = Means(plan, event.sort, literal, u, plan.body)
     circumstance = agent.circumstance
@@ -178,7 +177,7 @@ def adopt(agent: AgentState, plan: LoadedPlan, event: Event, u: Unifier) -> None
         intention = Intention(agent.next_intention_number())
     elif intention.stack:
         top = intention.stack[-1]
-        # The calling plan has nothing left to do: it need not wait for the one it calls.
+        # A tail call needs no entry of the calling plan, which has no further steps.
         if top.step is not None and top.step.next is None and top.literal.key == literal.key:
             _forget_tail_call(agent, intention, means)
         if len(intention.stack) >= agent.max_depth:
@@ -192,9 +191,9 @@ def adopt(agent: AgentState, plan: LoadedPlan, event: Event, u: Unifier) -> None
 
 
 def _forget_tail_call(agent: AgentState, intention: Intention, means: Means) -> None:
-    """Take the calling plan off, whose last step this goal was, if it was for one of its functor.
+    """Remove the calling plan after its last step, so that tail recursion needs no memory.
 
-    Loops by recursion then need no memory. The values that the plan below awaits are handed on.
+    The values that the plan below awaits are copied.
     """
     top = intention.top
     if top.sort not in ("+!", "+?") or means.sort not in ("+!", "+?"):
@@ -209,12 +208,12 @@ def _forget_tail_call(agent: AgentState, intention: Intention, means: Means) -> 
 
 
 def move_on(agent: AgentState, intention: Intention, means: Means) -> None:
-    """Finish the current step: the intention goes to the end of the queue."""
+    """Finish the current step, and queue the intention."""
     step = means.step
     if step is not None:
         means.step = step = step.next
     if intention.atomic:
-        # Put back before `clear`: it has the next cycle to itself even if its atomic plan is done.
+        # Queued before `clear`, so that the next cycle is atomic even if its atomic plan has ended.
         agent.circumstance.add_running(intention)
         if step is None:
             clear(agent, intention)
@@ -226,9 +225,9 @@ def move_on(agent: AgentState, intention: Intention, means: Means) -> None:
 
 
 def clear(agent: AgentState, intention: Intention) -> bool:
-    """Take finished plans off an intention, and go on with those that called them.
+    """Remove finished plans of an intention, and continue with the plans that called them.
 
-    Return False if it waits until the condition of a finished plan holds.
+    Return False if the intention waits until the condition of a finished plan holds.
     """
     stack = intention.stack
     circumstance = agent.circumstance
@@ -249,7 +248,7 @@ def clear(agent: AgentState, intention: Intention) -> bool:
         if states is not None and top.is_goal:
             states.note("achieved", top.sort, top.literal)
             states.note("finished", top.sort, top.literal)
-        # A failure plan is done: what it replaced is still on the stack, below it.
+        # The plans that a failure plan has replaced are still below it.
         if top.sort in ("-!", "-?") and stack:
             clear_failed(intention, top.literal)
         if not stack:
@@ -265,11 +264,11 @@ def clear(agent: AgentState, intention: Intention) -> bool:
 
 
 def _hand_over(agent: AgentState, awaited: tuple[str, ...], u: Unifier, to: Unifier) -> None:
-    """Bind in `to` the variables awaited by a plan to the values that they have in `u`."""
+    """Copy the values of the variables awaited by a plan from `u` to `to`."""
     for name in awaited:
         value = u.get(name)
         if value is not None:
-            # What is open in it gets fresh names: those of the called plan may be the caller's too.
+            # Unbound variables are renamed, because the caller may use the same names.
             to[name] = rename(substitute(value, u), agent.names, {})
 
 
@@ -278,10 +277,10 @@ _Take: TypeAlias = Callable[[Intention, Goals, Unifier], int]
 
 
 class Finish:
-    """Finishing of goals of intentions in any state.
+    """End of goals of intentions in any state.
 
-    `caller` is the intention that finishes them, if any. If `failed`, the goals count as failed and
-    `annots` are further annotations of the events of failure.
+    `caller` is the intention that ends them, if any. If `failed`, the goals count as failed, with
+    additional annotations `annots` of the failure events.
     """
 
     def __init__(
@@ -300,7 +299,7 @@ class Finish:
         self._annots = annots
 
     def everywhere(self, u: Unifier) -> bool:
-        """Finish the goals in all intentions and events; return False if the caller is over."""
+        """End the goals in all intentions and events. Return False if the caller has ended."""
         circumstance = self._agent.circumstance
         for event in [*circumstance.all_events(), *circumstance.suspended_events]:
             done = 0 if event.intention is None else self.take(event.intention, u)
@@ -328,7 +327,7 @@ class Finish:
         return outcome <= _RUNS_ON
 
     def take(self, intention: Intention, u: Unifier) -> int:
-        """Take the goals off one intention; return 0 if it has none of them."""
+        """Remove the goals from an intention. Return 0 if it has none of them."""
         return self._fail(intention, dict(u)) if self._failed else self._achieve(intention, dict(u))
 
     def _achieve(self, intention: Intention, u: Unifier) -> int:
@@ -339,7 +338,7 @@ class Finish:
         if intention.is_finished:
             clear(self._agent, intention)
             return _IS_OVER
-        # The step that called the goal is done; the caller's own is moved on after this action.
+        # The step that called the goal is finished. The step of the caller ends with this action.
         if intention is not self._caller and intention.top.step is not None:
             intention.top.step = intention.top.step.next
         clear(self._agent, intention)
@@ -376,11 +375,11 @@ class Finish:
 
     def _run_on(self, intention: Intention | None, done: int) -> None:
         if done == _RUNS_ON and intention is not None and intention.stack:
-            # Spelt as Jason spells it.
+            # The spelling of Jason.
             self._agent.circumstance.resume(intention, Literal("suceed_internal_action"))
 
     def _finish_event(self, event: Event) -> None:
-        """Finish a goal that no plan has been chosen for yet."""
+        """End a goal without a plan yet."""
         if self._failed:
             self._note_failure(event.literal)
             event.sort = "-!"
@@ -402,7 +401,7 @@ class Finish:
 
 
 def finish_satisfied(agent: AgentState) -> None:
-    """Finish the goals of plans whose condition (`+!g <: condition`) holds."""
+    """End the goals of plans whose condition (`+!g <: condition`) holds."""
     pending = [
         means
         for intention in agent.circumstance.intentions()
@@ -425,7 +424,7 @@ def _is_satisfied(agent: AgentState, means: Means) -> bool:
 
 
 def set_deadline(agent: AgentState, event: Event, milliseconds: float) -> None:
-    """Have a goal fail if it is not achieved in time (`!g[hard_deadline(100)]`)."""
+    """Schedule the failure of a goal that is not achieved in time (`!g[hard_deadline(100)]`)."""
     intention, goal = event.intention, event.literal
     height = 0 if intention is None else len(intention.stack)
     reached: tuple[Term, ...] = (
@@ -436,7 +435,7 @@ def set_deadline(agent: AgentState, event: Event, milliseconds: float) -> None:
     def check() -> None:
         if intention is None:
             circumstance = agent.circumstance
-            # `!!g` has an intention of its own, unknown here: any that pursues such a goal counts.
+            # The intention of `!!g` is unknown, so any intention with such a goal counts.
             wanted = any(one.wants(goal, {}) for one in circumstance.intentions()) or any(
                 one.is_for(goal, {}) for one in circumstance.all_events()
             )

@@ -1,7 +1,7 @@
 """Execution of plan bodies: the operation of each step, and calls of internal actions.
 
-An operation carries its step out once. Unless it has raised an event or left the intention
-pending, it moves the intention on.
+An operation carries out one step and advances the intention, unless the intention waits for an
+event or is pending.
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class Call:
 
 
 class Waiting:
-    """Return value of an internal action that has suspended its intention."""
+    """Return value of an internal action that has suspended the intention."""
 
 
 WAITING = Waiting()
@@ -120,7 +120,7 @@ def call(
 
 
 def call_in_query(agent: AgentState, action: Literal, u: Unifier) -> Answer:
-    """Return the answer of an internal action in a context or query, False if it fails."""
+    """Return the answer of an internal action in a context or query, or False if it fails."""
     try:
         answer = call(agent, action, u, None)
     except ActionError as error:
@@ -136,7 +136,7 @@ Operation: TypeAlias = Callable[[AgentState, Intention, Means, BodyStep], None]
 def _literal(
     agent: AgentState, intention: Intention, means: Means, step: BodyStep
 ) -> Literal | None:
-    """Return the literal that a step is about; None, and the plan fails, if it is none."""
+    """Return the literal of a step. For other terms, fail the plan and return None."""
     literal = step.build(means.u)
     if isinstance(literal, Literal):
         return literal
@@ -155,7 +155,7 @@ def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: 
 
 
 def _export(agent: AgentState, means: Means, literal: Literal) -> Literal:
-    """Return the literal of an event, with fresh variables whose values the plan awaits."""
+    """Return the literal of an event, with fresh variables that the plan awaits."""
     renamed: dict[str, Var] = {}
     exported = rename(literal, agent.names, renamed)
     means.u.update(renamed)
@@ -177,7 +177,6 @@ def _achieve(agent: AgentState, intention: Intention, means: Means, step: BodySt
     event = Event("+!", goal, intention)
     agent.circumstance.post(event)
     if goal.annots is not ONLY_SELF:
-        # Without annotations but its source there is no deadline.
         _check_deadline(agent, event)
 
 
@@ -249,7 +248,7 @@ def _add(agent: AgentState, intention: Intention, means: Means, step: BodyStep) 
 def _change_plan(
     agent: AgentState, intention: Intention, means: Means, step: BodyStep, value: Term
 ) -> None:
-    """Add or remove the plan for which a variable stands."""
+    """Add or remove the plan that is the value of a variable."""
     action = plan_change(step.operation, value) if isinstance(value, PlanTerm) else None
     if action is None:
         _not_a_literal(agent, intention, means, step)
@@ -260,7 +259,7 @@ def _change_plan(
 def _believe(
     agent: AgentState, intention: Intention, means: Means, step: BodyStep, literal: Literal
 ) -> None:
-    """Add a belief at the front, or at the end (`+>`); after `++b` nothing waits for its event."""
+    """Add a belief at the front or the end (`+>`). After `++b` the plan does not wait."""
     if literal.ground:
         means.awaited = ()
     else:
@@ -278,14 +277,14 @@ def _post(
     *,
     waits: bool,
 ) -> None:
-    """Post the event of a change of belief, if there is one, and go on unless that is awaited."""
+    """Raise the event of a change of belief, and continue unless the plan waits for it."""
     focus = intention if waits else None
     if changed is None or not agent.changed(sign, changed, focus) or not waits:
         move_on(agent, intention, means)
 
 
 def _delete(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
-    """Remove a belief or a rule; after `--b` nothing waits for its event."""
+    """Remove a belief or a rule. After `--b` the plan does not wait."""
     changed = step.build(means.u)
     if isinstance(changed, RuleTerm):
         agent.beliefs.remove_rule(changed.rule)
@@ -300,7 +299,7 @@ def _delete(agent: AgentState, intention: Intention, means: Means, step: BodySte
 
 
 def _replace(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
-    """`-+b(X)`: remove the first `b` of the agent's own, whatever its arguments, and add this."""
+    """Replace the first belief of the same key and source (`-+b(X)`)."""
     literal = _literal(agent, intention, means, step)
     if literal is None:
         return
@@ -324,7 +323,7 @@ def _act_externally(agent: AgentState, intention: Intention, means: Means, step:
 
 
 def _perform(agent: AgentState, intention: Intention, action: Literal) -> None:
-    """Have an external action carried out; its intention waits for the outcome."""
+    """Call an external action. The intention waits for the outcome."""
     circumstance = agent.circumstance
     pending = PendingAction(agent.next_action_number(), action, intention)
     circumstance.expect(pending)
@@ -334,12 +333,12 @@ def _perform(agent: AgentState, intention: Intention, action: Literal) -> None:
     if isinstance(outcome, Pending):
         return
     if outcome and not circumstance.feedback and circumstance.states is None and agent.is_quiet:
-        # The next cycle would begin with this outcome.
+        # The next cycle would handle this outcome first.
         if circumstance.take_action(intention) is pending:
             move_on(agent, intention, intention.stack[-1])
         return
-    kept = outcome if isinstance(outcome, Refused) else bool(outcome)
-    circumstance.feedback.append((pending, kept))
+    result = outcome if isinstance(outcome, Refused) else bool(outcome)
+    circumstance.feedback.append((pending, result))
 
 
 def _act_internally(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
@@ -347,7 +346,7 @@ def _act_internally(agent: AgentState, intention: Intention, means: Means, step:
 
 
 def _do_value(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
-    """Carry out what a variable stands for."""
+    """Carry out the value of a variable."""
     value = step.build(means.u)
     if isinstance(value, BodyTerm):
         means.step = compile_body(value.body, step.next)
@@ -372,7 +371,7 @@ def _call(agent: AgentState, intention: Intention, means: Means, action: Literal
     try:
         answer = call(agent, action, means.u, intention)
         if answer is not None and not isinstance(answer, bool | dict | Waiting):
-            # A step of a plan takes the first answer, and never comes back for another.
+            # A step uses only the first answer.
             answer = next(answer, None)
     except ActionError as error:
         fail(agent, intention, error.annots)
@@ -384,7 +383,7 @@ def _call(agent: AgentState, intention: Intention, means: Means, action: Literal
         return
     if isinstance(answer, dict):
         means.u = dict(answer)
-    # An action that achieves a goal of its own intention has taken this plan off it, too.
+    # An action that ends a goal of its own intention has removed this plan.
     move_on(agent, intention, intention.top if intention.stack else means)
 
 
@@ -402,19 +401,19 @@ def _choose(agent: AgentState, intention: Intention, means: Means, step: BodySte
 
 
 def _begin_while(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
-    # Loops are kept in the plan, not in Python: between two rounds other intentions run.
+    # The state of loops is in the plan, because other intentions run between rounds.
     means.loops = (*means.loops, (means.u, iter(())))
     _repeat_while(agent, intention, means, step)
 
 
 def _repeat_while(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
-    # The condition is asked with the bindings from before the loop: those of a round end with it.
+    # The bindings of a round end with it, so the condition uses those from before the loop.
     before, _ = means.loops[-1]
     _iterate(agent, intention, means, step, step.check(agent.logic, before))
 
 
 def _begin_for(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
-    # All of them before the first: the body may change what is asked.
+    # All solutions are computed first, because the body may change beliefs.
     solutions = list(agent.logic.solutions(step.term, means.u))
     if not solutions:
         move_on(agent, intention, means)
@@ -431,7 +430,7 @@ def _repeat_for(agent: AgentState, intention: Intention, means: Means, step: Bod
 def _iterate(
     agent: AgentState, intention: Intention, means: Means, step: BodyStep, solution: Unifier | None
 ) -> None:
-    """Begin the body of a loop once more, or go on with the bindings from before the loop."""
+    """Begin the next round of a loop, or continue with the bindings from before the loop."""
     if solution is None:
         *outer, (means.u, _) = means.loops
         means.loops = tuple(outer)

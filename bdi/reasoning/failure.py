@@ -1,8 +1,8 @@
-"""Failure of plans: the failure plan that takes over, or the end of the intention.
+"""Failure of plans: the failure plan that replaces them, or the end of the intention.
 
-Jason looks for the failure plan of the goal that failed, then of the goals below it in the stack of
-the intention; what called the goal for which there is one goes on (Bordini, Hübner and Wooldridge,
-"Programming Multi-Agent Systems in AgentSpeak using Jason", 2007, sec. 4.2).
+As in Jason, failure plans are searched for the failed goal, then for the goals below it in the
+stack. The plan that called the goal then continues (Bordini, Hübner and Wooldridge, "Programming
+Multi-Agent Systems in AgentSpeak using Jason", 2007, sec. 4.2).
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ SEARCH_COST = 10
 """Cost, in goals, of one step of the search through the goals of an intention."""
 
 SEARCHED = 20
-"""Number of plans in the stack that are searched in the time of one failure."""
+"""Number of plans in the stack that count as one more failure."""
 
 
 def find_failure_event(
     agent: AgentState, intention: Intention, event: Event, *, has_plan: bool
 ) -> Event | None:
-    """Return the `-!g` (or `-?g`) event of the nearest goal with a plan for it, or None.
+    """Return the `-!g` (or `-?g`) event of the nearest goal with a failure plan, or None.
 
-    The search goes from `event`, which failed, through the goals below it; `has_plan` is True if
-    the plan of that goal is the one on top of the intention. In a fork, a failure that reaches
-    below the fork ends the other branches (`|&|`) or only its own (`|||`).
+    The search starts at the failed `event` and continues with the goals below it. `has_plan` is
+    True if the active plan is that of the failed goal. A failure that reaches below a fork ends the
+    other branches (`|&|`) or only its own branch (`|||`).
     """
-    found, height = _search(agent, intention, event.sort, event.literal)
-    # A goal without a plan stands above the one that called it: its failure plan is inside the
-    # branch. As in Jason, `|||` has no use for that.
-    above = found is not None and found.literal is event.literal and not has_plan
-    # Nested forks are left one after another, from the inside out.
+    failure, height = _search(agent, intention, event.sort, event.literal)
+    # The failure plan of a goal without a plan is inside the branch, above the plan that called the
+    # goal. As in Jason, this does not count for `|||`.
+    above = failure is not None and failure.literal is event.literal and not has_plan
+    # Nested forks end from the inside out.
     while intention.fork is not None:
         all_of = intention.fork.all_of
         if height + (above and all_of) > intention.fork_point:
@@ -43,11 +43,11 @@ def find_failure_event(
         if not all_of:
             return None
         end_fork(agent, intention)
-    return found
+    return failure
 
 
 def end_fork(agent: AgentState, intention: Intention) -> None:
-    """End all branches of a fork but `intention`, which goes on in their place."""
+    """End all branches of a fork but `intention`, which continues."""
     fork = intention.leave_fork()
     for branch in list(fork.branches):
         if branch is not intention:
@@ -58,29 +58,26 @@ def end_fork(agent: AgentState, intention: Intention) -> None:
 def _search(
     agent: AgentState, intention: Intention, sort: str, literal: Literal
 ) -> tuple[Event | None, int]:
-    """Return the event and the height in the stack (from 1) of the plan of its goal; 0 for none."""
+    """Return the failure event and the height of its goal in the stack from 1, or None and 0."""
     below = list(intention.downwards())
     position = 0
     if sort in ("-!", "-?"):
-        # A failure plan has failed: the search continues below the goal it was for.
+        # After the failure of a failure plan, the search continues below its goal.
         position = 1
-        found = False
-        while position < len(below) and not found:
+        is_below = False
+        while position < len(below) and not is_below:
             means = below[position]
             position += 1
-            # Down to the goal that the failure plan was for, and through all in a row that are the
-            # same.
+            # Skip the goal of the failure plan, and equal goals that follow it.
             while position < len(below) and unify(means.literal, literal, dict(means.u)):
-                # Counted, as a search down thousands of goals at each failure adds up to a run
-                # without end.
+                # Counted, because searches through thousands of goals take too long.
                 agent.logic.spend(SEARCH_COST, literal)
                 means = below[position]
                 position += 1
-                found = True
+                is_below = True
         means = below[position - 1]
         sort, literal = means.sort, means.literal
-    # A relevant plan is enough. Where its context then does not hold, the intention ends
-    # (`fail_event`).
+    # A relevant plan is enough. If it is not applicable, the intention ends (`fail_event`).
     while not agent.plans.candidates("-" + sort[1:], literal) and position < len(below):
         means = below[position]
         sort, literal = means.sort, means.literal
@@ -93,9 +90,9 @@ def _search(
 def fail(
     agent: AgentState, intention: Intention, annots: tuple[Term, ...], reason: str = ""
 ) -> None:
-    """Fail the current step of an intention: post the failure event, or end the intention.
+    """Fail the current step of an intention: raise the failure event, or end the intention.
 
-    A `reason` is for the warning only, not for the program.
+    `reason` appears only in the warning.
     """
     means = intention.top
     step = means.step
@@ -131,7 +128,7 @@ def fail(
 
 
 def fail_event(agent: AgentState, event: Event, annots: tuple[Term, ...], why: str) -> None:
-    """Fail a goal without a usable plan: post the failure event, or end the intention."""
+    """Fail a goal without an applicable plan: raise the failure event, or end the intention."""
     failure: Event | None = None
     if event.sort[0] == "+":
         if event.intention is not None:
@@ -161,9 +158,9 @@ def _note_failure(
     failure: Event | None,
     annots: tuple[Term, ...],
 ) -> None:
-    """Note the states of a goal that has failed, and of those it was for."""
+    """Record the states of a failed goal and of the goals below it."""
     states = agent.circumstance.states
-    assert states is not None  # called where there are some
+    assert states is not None  # checked by the callers
     states.note("failed", sort, goal, _reason(annots))
     if failure is not None:
         states.note("executing", sort, goal, Literal("has_failure_plan"))
@@ -177,7 +174,7 @@ _REASONS = ("action_failed", "ask_failed", "constraint_failed", "test_goal_faile
 
 
 def _reason(annots: tuple[Term, ...]) -> Literal | None:
-    """Return the reason of the state `failed`: what has failed, whatever its error."""
+    """Return the reason of the state `failed`."""
     for annot in annots:
         error = annot.args[0] if isinstance(annot, Literal) and annot.functor == "error" else None
         if isinstance(error, Literal):
@@ -190,7 +187,7 @@ def _reason(annots: tuple[Term, ...]) -> Literal | None:
 
 
 def end(agent: AgentState, intention: Intention) -> None:
-    """End an intention that has failed for good, and with it the others of its `|&|`."""
+    """End a failed intention, and the other branches of its `|&|`."""
     while (
         intention.fork is not None
         and intention.fork.all_of
@@ -213,12 +210,12 @@ def _summary(annot: Term) -> str:
 def annotated(
     agent: AgentState, failure: Event, annots: tuple[Term, ...], code: Term, place: Place | None
 ) -> Literal:
-    """Return the literal of a failure event, annotated with what went wrong and where.
+    """Return the literal of a failure event, annotated with the cause and the location.
 
-    Raises `EndlessProgramError` if too many goals have failed at one instant.
+    Raises `EndlessProgramError` if too many goals have failed at one time.
     """
     literal, logic, intention = failure.literal, agent.logic, failure.intention
-    # Each failure searches the stack, which grows if failure plans do not end.
+    # The cost of a failure grows with the stack.
     logic.failures_left -= 1 if intention is None else 1 + len(intention.stack) // SEARCHED
     if logic.failures_left < 0:
         goal = literal.without_annots()
@@ -230,13 +227,13 @@ def annotated(
     if place is not None:
         added.append(Literal("code_src", (place.name,)))
         added.append(Literal("code_line", (float(place.line),)))
-    # The step's variables are the failed plan's; with fresh names they can't bind those of another.
+    # The variables are renamed, so that they do not bind those of another plan.
     added.append(Literal("code", (rename(code, agent.names, {}),)))
     return literal.with_annots(sorted_annots(tuple(added)))
 
 
 def clear_failed(intention: Intention, literal: Literal) -> None:
-    """Drop the plans between a failure plan that has ended and the goal it was for."""
+    """Remove the plans between a finished failure plan and its goal."""
 
     def called(means_index: int) -> bool:
         means = intention.stack[means_index]
@@ -251,7 +248,7 @@ def clear_failed(intention: Intention, literal: Literal) -> None:
     if called(-1):
         return
     means = intention.pop()
-    # The failure plan stands for the goal: what is above the step that called it goes too.
+    # The failure plan has replaced all plans above the step that called its goal.
     while intention.stack and not (means.is_goal and unify(means.literal, literal, dict(means.u))):
         step = means.step
         if step is not None and step.goal is not None and unify(step.goal, literal, dict(means.u)):

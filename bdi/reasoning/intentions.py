@@ -1,4 +1,4 @@
-"""Events, and the intentions they lead to: stacks of plans that are being carried out."""
+"""Events, and intentions: stacks of plans."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .plans import BodyStep, LoadedPlan
 
 
 class Event:
-    """Change of a belief or a goal; `intention` waits until it has been dealt with.
+    """Change of a belief or a goal. `intention` waits until it has been handled.
 
-    `option` is the plan that has been chosen for it already, with its bindings, if one has.
+    `option` is a plan that has already been chosen for it, with the bindings.
     """
 
     __slots__ = ("intention", "literal", "option", "sort")
@@ -29,11 +29,11 @@ class Event:
 
     @property
     def is_goal(self) -> bool:
-        """True for the events of goals, `+!g`, `-!g`, `+?g` and `-?g`, not for their states."""
+        """Whether it is the event of a goal: `+!g`, `-!g`, `+?g` or `-?g`."""
         return len(self.sort) == 2 and self.sort[0] != "^"
 
     def is_for(self, goal: Literal | Var, u: Unifier) -> bool:
-        """Return True if the event is `+!goal`, and bind in `u` what that takes."""
+        """Return whether the event unifies with `+!goal`, with bindings in `u`."""
         if self.sort != "+!":
             return False
         literal = self.literal
@@ -49,18 +49,23 @@ class Wait(Protocol):
     """Wait of an intention for an event or a condition."""
 
     def notice(self, event: Event | None) -> None:
-        """Check if an event, or a change that something else has made, ends the wait."""
+        """Check if an event, or another change, ends the wait."""
 
     def cancel(self) -> None:
         """End the wait of an intention that has ended."""
 
 
 class Means:
-    """Plan of an intention (intended means): its next step and its unifier.
+    """Plan of an intention (intended means), with its next step and its unifier.
 
-    `awaited` names the variables of the last event the plan has raised that the plan on top of it
-    may bind; `loops` has the unifiers to which the loops around the step return; `first` are the
-    bindings it began with, which the plans inside the plan share.
+    Attributes
+    ----------
+    awaited
+        Variables of the last raised event, which the plan above may bind.
+    loops
+        For each enclosing loop, the unifier before it and its remaining solutions.
+    first
+        Bindings at the start, which the subplans share.
     """
 
     __slots__ = ("awaited", "first", "literal", "loops", "plan", "sort", "step", "u")
@@ -75,18 +80,17 @@ class Means:
         self.step = step
         self.awaited: tuple[str, ...] = ()
         self.loops: tuple[tuple[Unifier, Iterator[Unifier]], ...] = ()
-        # The unifier changes as the plan goes on; only plans with plans inside need the one from
-        # before.
+        # Only subplans need the initial bindings.
         self.first: Unifier = u if plan.inner is None else dict(u)
 
     @property
     def is_goal(self) -> bool:
-        """True if the plan is for the event of a goal."""
+        """Whether the plan handles the event of a goal."""
         return len(self.sort) == 2 and self.sort[0] != "^"
 
     @property
     def trigger(self) -> Trigger:
-        """The event for which the plan was chosen."""
+        """Event for which the plan was chosen."""
         return Trigger(self.sort[0], self.sort[1:], self.literal)
 
     @property
@@ -96,11 +100,11 @@ class Means:
 
     @property
     def doing(self) -> str:
-        """The next step with its variables substituted; empty after the last one."""
+        """Text of the next step with its values, or empty after the last one."""
         return "" if self.step is None else text(substitute(self.step.term, self.u))
 
     def branch(self) -> Means:
-        """Return a copy that can be carried out on its own."""
+        """Return an independent copy."""
         copy = Means(self.plan, self.sort, self.literal, dict(self.u), self.step)
         copy.awaited = self.awaited
         copy.loops = self.loops
@@ -109,7 +113,7 @@ class Means:
 
 
 class IntentionFork:
-    """Branches of an intention, the `whole`, which may itself be a branch of an outer fork."""
+    """Branches of an intention, `whole`, which may be a branch of an outer fork."""
 
     def __init__(self, all_of: bool, whole: Intention) -> None:
         self.all_of = all_of
@@ -125,14 +129,14 @@ class IntentionFork:
         self.to_finish += 1
 
     def take_place(self) -> None:
-        """Put the branches in place of the whole in the outer forks."""
+        """Replace the whole by the branches in the outer forks."""
         for fork in self._around():
             if self._whole in fork.branches:
                 at = fork.branches.index(self._whole)
                 fork.branches[at : at + 1] = self.branches
 
     def remove(self, intention: Intention) -> None:
-        """Remove a branch that has ended, here and in the outer forks."""
+        """Remove a branch from this fork and the outer forks."""
         for fork in (self, *self._around()):
             if intention in fork.branches:
                 fork.branches.remove(intention)
@@ -206,22 +210,22 @@ class Intention:
 
     @property
     def top(self) -> Means:
-        """The plan being carried out."""
+        """Active plan."""
         return self.stack[-1]
 
     @property
     def is_finished(self) -> bool:
-        """True if the stack is empty."""
+        """Whether the stack is empty."""
         return not self.stack
 
     def downwards(self) -> Iterator[Means]:
-        """Iterate over the plans of the stack, the one being carried out first."""
+        """Iterate over the plans of the stack, the active plan first."""
         return reversed(self.stack)
 
     def branch(self, number: int, fork: IntentionFork) -> Intention:
-        """Return a copy for a branch of a fork: its own plan on top, those below shared."""
+        """Return a copy for a branch of a fork, with a copy of the active plan."""
         copy = Intention(number)
-        # Below the fork the plans are the same objects: only one branch ever goes on with them.
+        # The plans below the fork are shared, because only one branch continues with them.
         copy.stack = [*self.stack[:-1], self.top.branch()]
         copy.atomic = self.atomic
         copy.fork = fork
@@ -229,19 +233,18 @@ class Intention:
         return copy
 
     def wants(self, goal: Literal, u: Unifier) -> bool:
-        """Return True if `!goal` is in the stack, and bind in `u` what that takes."""
+        """Return whether `!goal` is in the stack, with bindings in `u`."""
         return self._position(goal, u) is not None
 
     def drop_goal(self, goals: Goals, u: Unifier) -> Means | None:
-        """Cut the stack off below the lowest of the goals; return the plan for that, if any."""
+        """Remove the plans of goals and the plans above. Return the lowest one, or None."""
         dropped = None
         position = self._highest(goals, u)
         while position is not None:
             while len(self.stack) > position:
                 dropped = self.pop()
             position = self._highest(goals, u)
-        # Below the fork there is one intention again: the branch that comes here first. The others
-        # end.
+        # Only the first branch continues below the fork. The others end.
         while dropped is not None and len(self.stack) < self.fork_point:
             if not self._leaves_first():
                 self.stack.clear()
@@ -249,21 +252,21 @@ class Intention:
         return dropped
 
     def _leaves_first(self) -> bool:
-        """Leave the fork for good; return True for the first of its branches that does so."""
+        """Leave the fork. Return whether this is its first branch to leave."""
         fork = self.leave_fork()
         first = fork.to_finish > 0
         fork.to_finish = 0
         return first
 
     def leave_fork(self) -> IntentionFork:
-        """Leave its fork for the outer one, if there is one; return the fork that it has left."""
+        """Leave the fork for the outer one, and return it."""
         fork = self.fork
-        assert fork is not None  # called for branches only
+        assert fork is not None  # only branches call it
         self.fork, self.fork_point = fork.outer, fork.outer_point
         return fork
 
     def copy(self, number: int) -> Intention:
-        """Return a copy with plans of its own, which goes on apart from this one."""
+        """Return an independent copy."""
         other = Intention(number)
         other.stack = [means.branch() for means in self.stack]
         other.atomic = self.atomic
@@ -284,9 +287,9 @@ class Intention:
 
 
 class Goals:
-    """Goals to be finished: those of the plans for which `include` returns True.
+    """Goals to finish: those of the plans for which `include` returns True.
 
-    `goal` is the goal of which they are instances, if there is one.
+    `goal` is the goal with which they unify, if any.
     """
 
     def __init__(self, include: Callable[[Means, Unifier], bool]) -> None:
@@ -295,7 +298,7 @@ class Goals:
 
     @classmethod
     def of(cls, goal: Literal) -> Goals:
-        """Return the goals that unify with one."""
+        """Return the goals that unify with `goal`."""
         goals = cls(lambda means, u: means.sort == "+!" and try_unify(goal, means.literal, u))
         goals.goal = goal
         return goals

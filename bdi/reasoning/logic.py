@@ -1,8 +1,8 @@
-"""Search for the solutions of formulas: resolution (SLD) with negation as failure.
+"""Search for the solutions of formulas: SLD resolution with negation as failure.
 
-It goes depth first and from left to right, as in Prolog. It keeps its own stack, so a rule may call
-itself as deeply as memory allows. A state is a unifier and a linked list of the goals still to
-prove. A choice point is a state to return to or an iterator of such states.
+The search is depth first, from left to right, as in Prolog. It has an explicit stack, so that only
+memory limits the recursion of rules. A state is a unifier and a linked list of goals to prove. A
+choice point is a state to return to, or an iterator of states.
 """
 
 from __future__ import annotations
@@ -47,17 +47,17 @@ Goals: TypeAlias = "tuple[Any, Goals] | None"
 State: TypeAlias = "tuple[Unifier, Goals]"
 
 MAX_CHOICES = 250_000
-"""Largest number of open choice points; rules that call each other without end only add some."""
+"""Maximum number of open choice points, to stop endless recursion."""
 
 CYCLES = 20
-"""Number of cycles of one instant that may each try the most goals a cycle may try."""
+"""Maximum number of goals at one time, as a multiple of the maximum in a cycle."""
 
 MOST_FAILURES = 10_000
-"""Maximum number of goals that may fail at one instant; each takes 0.1 to 0.3 ms."""
+"""Maximum number of goals that may fail at one time. Each takes 0.1 to 0.3 ms."""
 
 
 class _Commit:
-    """End of a negated formula: it holds, so the negation fails."""
+    """Goal after a negated formula. If it is reached, the negation fails."""
 
     __slots__ = ("height",)
 
@@ -66,31 +66,39 @@ class _Commit:
 
 
 class _Subquery:
-    """A query that rules may answer; as a goal, the end of a rule's body.
+    """Query that rules may answer. As a goal, it ends the body of a rule.
 
-    A rule is proved in a unifier of its own, so its cost does not grow with the caller's. At its
-    end the values of the query's variables return to the caller. `args` are the query's own
-    arguments, `asked` its variables, `renamed` the caller's names for them.
+    Each rule has a separate unifier, so that its cost does not grow with that of the caller. At the
+    end the values of the variables of the query are copied to the unifier of the caller.
+
+    Attributes
+    ----------
+    args
+        Arguments with values and fresh variables.
+    variables
+        Names of the unbound variables among them.
+    renamed
+        Fresh variables by the names in the unifier of the caller.
     """
 
-    __slots__ = ("args", "asked", "caller", "query", "renamed")
+    __slots__ = ("args", "caller", "query", "renamed", "variables")
 
     def __init__(
         self,
         query: Literal,
         args: tuple[Term, ...],
-        asked: tuple[str, ...],
+        variables: tuple[str, ...],
         renamed: dict[str, Var],
         caller: Unifier,
     ) -> None:
         self.query = query
         self.args = args
-        self.asked = asked
+        self.variables = variables
         self.renamed = renamed
         self.caller = caller
 
     def put_to(self, rule: Rule) -> Unifier | None:
-        """Return the bindings with which the rule's body is to be proved, None if it has none."""
+        """Return the bindings for the body of a rule, or None if the head does not unify."""
         if rule.parameters is not None and not self.query.annots:
             for arg in self.args:
                 if arg.__class__ is Literal and "::" in arg.functor:
@@ -102,10 +110,10 @@ class _Subquery:
 
 
 class Logic:
-    """Answers formulas from a belief base; `call` runs an internal action.
+    """Evaluator of formulas over a belief base. `call` runs an internal action.
 
-    At most `max_goals` goals are tried in one reasoning cycle, and CYCLES times as many in one
-    instant: a count, not a time, stops a query without end, so that results repeat.
+    At most `max_goals` goals are tried in a reasoning cycle, and CYCLES times as many at one time.
+    Endless queries are stopped by this count, so that results do not depend on the machine.
     """
 
     def __init__(
@@ -127,12 +135,12 @@ class Logic:
         self._allowed = self.goals_left = max_goals
 
     def begin_instant(self) -> None:
-        """Renew the budgets of an instant."""
+        """Reset the budgets of the current time."""
         self._left_at_this_instant = CYCLES * self.max_goals
         self.failures_left = MOST_FAILURES
 
     def begin_cycle(self) -> None:
-        """Renew the budget of a cycle, as far as that of the instant allows."""
+        """Reset the budget of a cycle, limited by that of the current time."""
         self._left_at_this_instant -= self._allowed - self.goals_left
         self._allowed = self.goals_left = min(self.max_goals, self._left_at_this_instant)
 
@@ -143,12 +151,12 @@ class Logic:
             self.give_up(formula)
 
     def give_up(self, formula: Term) -> None:
-        """Raise the error for a budget that is used up, at last by `formula`."""
+        """Raise the error for a budget that `formula` has exceeded."""
         tried = self.max_goals if self._allowed == self.max_goals else CYCLES * self.max_goals
         raise TooDeepError(f"more than {tried:,} goals were tried at once, at last {formula}")
 
     def solutions(self, formula: Term, u: Unifier) -> Iterator[Unifier]:
-        """Yield every solution, in order. `u` is not changed."""
+        """Yield all solutions in order. `u` stays unchanged."""
         choices: list[State | Iterator[State]] = []
         goals: Goals = (formula, None)
         while True:
@@ -165,7 +173,7 @@ class Logic:
                     break
                 following = next(choice, None)
                 if following is not None:
-                    # Counted as well: an internal action may have answers without end.
+                    # Solutions count, because an internal action may have endless ones.
                     self.goals_left -= 1
                     u, goals = following
                     break
@@ -174,28 +182,28 @@ class Logic:
                 return
 
     def collected(self, term: Term, formula: Term, u: Unifier) -> Term:
-        """Return the list of `term` as it is in each of the `solutions`.
+        """Return the list of the values of `term` in all solutions.
 
-        That for a plain query without values is kept until a belief of its kind changes, as
-        programs ask for all stations again and again; it counts as many goals as the first time.
+        The list for a query without values is cached until a belief of its key changes. A cached
+        list counts as many goals as its computation.
         """
         names = _unbound(term, formula, u)
         index = self.clauses.get(formula.key) if names else None  # type: ignore[union-attr]
         if index is None or index.rules or not index.is_cacheable:
             return make_list([substitute(term, one) for one in self.solutions(formula, u)])
-        known = index.collected.get(names)
-        if known is None or self.goals_left < known[1]:
+        cached = index.collected.get(names)
+        if cached is None or self.goals_left < cached[1]:
             left = self.goals_left
-            made = make_list([substitute(term, one) for one in self.solutions(formula, u)])
-            known = index.collect(names, made, left - self.goals_left)
+            values = make_list([substitute(term, one) for one in self.solutions(formula, u)])
+            cached = index.collect(names, values, left - self.goals_left)
         else:
-            self.goals_left -= known[1]
-        return known[0]
+            self.goals_left -= cached[1]
+        return cached[0]
 
     def _prove(
         self, u: Unifier, goals: Goals, choices: list[State | Iterator[State]]
     ) -> Unifier | None:
-        """Prove one goal after another, and append to `choices` the choice points this opens."""
+        """Prove the goals in order, and append new choice points to `choices`."""
         solution: Unifier | None
         while goals is not None:
             goal, goals = goals
@@ -207,8 +215,7 @@ class Logic:
                     return None
                 u = solution
             elif cls is Conjunction:
-                # Goals are a linked list, shared by all choice points: to go back to one copies
-                # nothing.
+                # All choice points share the linked list, so backtracking copies nothing.
                 left, right = goal.operands
                 goals = (left, (right, goals))
             elif cls is _Subquery:
@@ -225,8 +232,8 @@ class Logic:
                 goals = (left, goals)
             elif cls is Negation:
                 # Negation as failure (K. L. Clark, "Negation as failure", 1978): the choice point
-                # goes on as if the formula failed. If it holds, `_Commit` takes that away, and all
-                # that was opened since.
+                # continues as if the formula failed. If it holds, `_Commit` removes the choice
+                # point and all later ones.
                 choices.append((u, goals))
                 goals = (goal.operands[0], (_Commit(len(choices) - 1), None))
             elif cls is _Commit:
@@ -249,7 +256,7 @@ class Logic:
         goals: Goals,
         choices: list[State | Iterator[State]],
     ) -> Unifier | None:
-        """Return the one answer of a query; else None, with the answers as a choice point."""
+        """Return the only solution of a query. Otherwise add a choice point and return None."""
         if "." in literal.functor and literal.is_internal_action:
             answer = self.call(literal, u)
             if answer is True:
@@ -264,7 +271,7 @@ class Logic:
         if index is None:
             return u if literal.functor == "true" and literal == TRUE else None
         candidates = index.candidates(literal, u)
-        # The one belief there may be: no choice point, so that a chain of facts needs no memory.
+        # A single belief needs no choice point, so that a chain of facts needs no memory.
         if len(candidates) == 1 and candidates[0].__class__ is Literal and not literal.annots:
             return matched(literal, candidates[0], u)
         if len(choices) > MAX_CHOICES:
@@ -279,7 +286,7 @@ class Logic:
         u: Unifier,
         goals: Goals,
     ) -> Iterator[State]:
-        """Yield a state for each belief and rule that may answer a query."""
+        """Yield a state for each belief and rule that answers a query."""
         question: _Subquery | None = None
         for clause in candidates:
             if isinstance(clause, Rule):
@@ -297,10 +304,10 @@ class Logic:
                     yield solution, goals
 
     def _question(self, literal: Literal, u: Unifier) -> _Subquery:
-        """Return a query with its values and fresh variables in place of its variables."""
+        """Return a query with values or fresh variables in place of its variables."""
         renamed: dict[str, Var] = {}
         args = [value_of(arg, u) for arg in literal.args]
-        asked: list[str] = []
+        variables: list[str] = []
         for place, arg in enumerate(args):
             if arg.__class__ is not Var:
                 if is_ground(arg):
@@ -309,31 +316,31 @@ class Logic:
             if not arg.fresh:
                 new = renamed.get(arg.name) or self.names.fresh(arg.name)
                 renamed[arg.name] = args[place] = arg = new
-            asked.append(arg.name)
+            variables.append(arg.name)
         else:
             if not literal.annots:
-                # In the order that `variable_names` has them, as bindings are made in it.
-                names = tuple(dict.fromkeys(reversed(asked))) if len(asked) > 1 else tuple(asked)
+                # In the order of `variable_names`, because it is the order of the bindings.
+                names = tuple(dict.fromkeys(reversed(variables)))
                 return _Subquery(literal, tuple(args), names, renamed, u)
         query = rename(substitute_literal(literal, u), self.names, renamed)
-        assert isinstance(query, Literal)  # as what was renamed
+        assert isinstance(query, Literal)  # because a literal was renamed
         return _Subquery(query, query.args, variable_names(query), renamed, u)
 
     def _with_annots(self, literal: Literal, belief: Literal, u: Unifier) -> Iterator[Unifier]:
-        """Yield a solution for each choice of annotations that unifies with the query's."""
+        """Yield a solution for each choice of annotations that unifies with those of the query."""
         if isinstance(literal.annots[-1], RestVar):
             solution = unified(literal, belief, u)
             if solution is not None:
                 yield solution
             return
-        # Every choice of as many as the query has; in each, `unify_annots` takes the first pairing.
+        # Each choice has as many annotations as the query. `unify_annots` uses the first pairing.
         for annots in combinations(belief.annots, len(literal.annots)):
             solution = unified(literal, belief.with_annots(annots), u)
             if solution is not None:
                 yield solution
 
     def _any(self, pattern: Var | Qualified, u: Unifier, goals: Goals) -> Iterator[State]:
-        """Yield a state for each belief there is, and for each rule that a namespace may have."""
+        """Yield a state for each belief, and for each rule of the key in any namespace."""
         inner = pattern.operands[1] if isinstance(pattern, Qualified) else pattern
         for clause in self.beliefs.all_clauses():
             if isinstance(clause, Literal):
@@ -341,20 +348,19 @@ class Logic:
                 if solution is not None:
                     yield solution, goals
             elif isinstance(inner, Literal) and clause.head.key[1:] == inner.key[1:]:
-                # The namespace is that of the rule: its body is proved as for a query there.
-                assert isinstance(pattern, Qualified)  # only such have a literal inside
+                assert isinstance(pattern, Qualified)  # because it contains a literal
                 space = namespace_of(clause.head.functor)
                 solution = unified(pattern.operands[0], Literal(space), u)
                 if solution is not None and placed(inner, space).key == clause.head.key:
                     yield solution, (placed(inner, space), goals)
 
     def _return(self, question: _Subquery, scope: Unifier) -> Unifier:
-        if not question.asked:
+        """Return the unifier of the caller, extended by the values of a proved query."""
+        if not question.variables:
             return question.caller
-        # Back in the caller: of the rule's own variables, only what the query asked for is kept.
         result = {**question.caller, **question.renamed}
         others: dict[str, Var] = {}
-        for name in question.asked:
+        for name in question.variables:
             value = scope.get(name)
             if value is not None:
                 value = value_of(value, scope)
@@ -363,7 +369,7 @@ class Logic:
 
 
 def _unbound(term: Term, formula: Term, u: Unifier) -> tuple[str, ...]:
-    """Return the names of a variable and of a plain query's arguments, if none has a value."""
+    """Return the names of a variable and of the arguments of a query, if all are unbound."""
     if formula.__class__ is not Literal or formula.annots or formula.is_internal_action:
         return ()
     names = []
@@ -384,7 +390,7 @@ COMPARISONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
         "\\==": operator.ne,
     }
 )
-"""Comparisons of numbers; as in the order of terms, NaN is neither smaller nor larger than any."""
+"""Comparisons of numbers. NaN is neither smaller nor larger than any number."""
 
 
 def relate(symbol: str, left: Term, right: Term, u: Unifier) -> Unifier | None:

@@ -32,10 +32,18 @@ from .contexts import Condition, condition
 class BodyStep:
     """One step of a body.
 
-    `operation` names what it does: the operator of a goal, belief or fork, the name of a control
-    structure, or the kind of an action. `term` is the goal, belief, action or condition it is
-    about; `build` makes its value, `check` solves it. `branches` are the first steps of the bodies
-    inside it, `next` is the step after it.
+    Attributes
+    ----------
+    operation
+        Operator of a goal, belief or fork, name of a control structure, or kind of an action.
+    term
+        Goal, belief, action or condition.
+    build, check
+        Function for the value of the term, or for its first solution.
+    branches
+        First steps of the inner bodies.
+    next
+        Following step, if any.
     """
 
     __slots__ = ("branches", "build", "check", "formula", "next", "operation", "term")
@@ -57,14 +65,14 @@ class BodyStep:
 
     @property
     def goal(self) -> Event | None:
-        """The subgoal for which the step waits, if it is one."""
+        """Subgoal for which the step waits, if any."""
         formula = self.formula
         return formula.goal if isinstance(formula, Achieve) and not formula.new_focus else None
 
 
 def compile_body(body: Body, following: BodyStep | None = None) -> BodyStep | None:
     """Return the first step of a body that continues with `following`."""
-    # From the last on, as each step knows the one after it.
+    # In reverse order, because each step refers to the next one.
     for formula in reversed(body):
         following = _compile(formula, following)
     return following
@@ -102,16 +110,16 @@ def _compile(formula: BodyFormula, following: BodyStep | None) -> BodyStep:
 def _compile_loop(
     name: str, formula: While | For, term: Term, following: BodyStep | None
 ) -> BodyStep:
-    """Return the step that begins a loop; the last of its body leads to one that repeats it."""
+    """Return the first step of a loop, whose body leads to a step that repeats it."""
     first = BodyStep(name, formula, following, term)
     again = BodyStep(f"{name} again", formula, following, term)
-    # The body leads back to a step of its own kind: a loop begins in another way than it goes on.
+    # Two steps, because a loop begins in another way than it continues.
     first.branches = again.branches = (compile_body(formula.body, again) or again,)
     return first
 
 
 def _sourced(term: Term) -> Term:
-    """Return a literal or a rule with a source; anything else as it is."""
+    """Return a literal or a rule with a source, and other terms unchanged."""
     if isinstance(term, RuleTerm):
         rule = term.rule
         return RuleTerm(Rule(with_source(rule.head), rule.body, rule.place))
@@ -119,7 +127,7 @@ def _sourced(term: Term) -> Term:
 
 
 def _with_source(build: Build) -> Build:
-    """Return the function that gives a source to what a variable stands for."""
+    """Return a function that adds a source to the value of a variable."""
     return lambda u: _sourced(build(u))
 
 
@@ -130,10 +138,10 @@ def _kind(action: Event) -> str:
 
 
 PROTOCOL = "<messages>"
-"""Name of the program that has the plans for messages."""
+"""Name of the program with the plans for messages."""
 
 SLEEPING = frozenset({"jag_sleeping", "jag_awaking"})
-"""Events of an agent that has nothing to do, and of one that has again."""
+"""Events of an agent that becomes idle, and that becomes active again."""
 
 
 def _is_file(place: Place) -> bool:
@@ -141,7 +149,7 @@ def _is_file(place: Place) -> bool:
 
 
 class Compiled:
-    """Trigger, context and body of a plan as functions and steps; they belong to no agent."""
+    """Trigger, context and body of a plan as functions and steps, independent of an agent."""
 
     __slots__ = ("applies", "body", "match", "until")
 
@@ -154,7 +162,7 @@ class Compiled:
 
 @made_once
 def compiled(plan: Plan) -> Compiled:
-    """Return a plan compiled."""
+    """Return the compiled plan."""
     return Compiled(plan)
 
 
@@ -170,7 +178,7 @@ class LoadedPlan:
     inner
         Library of its subplans, if any.
     scope
-        Library that contains it, if that is the one of a plan.
+        Library that contains it, if it is the library of another plan.
     until
         Check of the condition by which its goal is achieved, if any.
     """
@@ -186,11 +194,11 @@ class LoadedPlan:
         self.scope = scope
         self.sort = plan.trigger.sort
         self.literal = plan.trigger.literal
-        made = compiled(plan)
-        self.match = made.match
-        self.applies = made.applies
-        self.body = made.body
-        self.until = made.until
+        code = compiled(plan)
+        self.match = code.match
+        self.applies = code.applies
+        self.body = code.body
+        self.until = code.until
         self.atomic = plan.atomic
         self.inner: PlanLibrary | None = None
         if plan.subplans:
@@ -249,7 +257,7 @@ class PlanLibrary:
         return len(self._plans)
 
     def take(self, other: PlanLibrary) -> None:
-        """Have the plans of another library, which stays as it is, until some come or go here."""
+        """Share the plans of another library until the first change."""
         self.has_inner = other.has_inner
         self.has_states = other.has_states
         self.has_sleep = other.has_sleep
@@ -262,7 +270,7 @@ class PlanLibrary:
         self._shares = True
 
     def _stop_sharing(self) -> None:
-        """Have lists of its own: some plan comes or goes."""
+        """Copy shared lists before a change."""
         if not self._shares:
             return
         self._shares = False
@@ -279,10 +287,10 @@ class PlanLibrary:
         Raises `ValueError` if another plan has its label.
         """
         self._stop_sharing()
-        for known in self.candidates(plan.trigger.sort, plan.trigger.literal):
-            if known.plan.is_same(plan) and (not plan.name or plan.name == known.label.functor):
-                annots = sorted_annots((*known.label.annots, source))
-                return self._relabel(known, known.label.with_annots(annots))
+        for loaded in self.candidates(plan.trigger.sort, plan.trigger.literal):
+            if loaded.plan.is_same(plan) and (not plan.name or plan.name == loaded.label.functor):
+                annots = sorted_annots((*loaded.label.annots, source))
+                return self._relabel(loaded, loaded.label.with_annots(annots))
         label = plan.label if isinstance(plan.label, Literal) else Literal("")
         if not label.functor:
             label = Literal(self._new_label(), label.args, label.annots)
@@ -295,11 +303,11 @@ class PlanLibrary:
         labelled = Literal(label.functor, label.args, annots)
         loaded = LoadedPlan(plan, labelled, self if self._is_inside else None)
         self._by_label[label.functor] = loaded
-        self._take_notes(loaded)
+        self._update_flags(loaded)
         self._file(loaded, first)
         return loaded
 
-    def _take_notes(self, loaded: LoadedPlan) -> None:
+    def _update_flags(self, loaded: LoadedPlan) -> None:
         self.has_states = self.has_states or loaded.sort[0] == "^"
         if isinstance(loaded.literal, Literal) and loaded.literal.functor in SLEEPING:
             self.has_sleep = True
@@ -315,11 +323,11 @@ class PlanLibrary:
         self.has_special = self.has_inner or self.has_sleep
 
     def _relabel(self, plan: LoadedPlan, label: Literal) -> LoadedPlan:
-        """Put the plan with another label in its place: others may share it as it is."""
+        """Replace a plan by a copy with another label, because others may share it."""
         changed = copy(plan)
         changed.label = label
         filed = self._by_trigger[plan.sort].values()
-        # A plan for any event is in the list of every kind.
+        # A plan for any event is in the lists of all keys.
         for plans in (self._plans, self._for_any[plan.sort], *filed):
             if plan in plans:
                 plans[plans.index(plan)] = changed
@@ -327,7 +335,7 @@ class PlanLibrary:
         return changed
 
     def get(self, label: str) -> LoadedPlan | None:
-        """Return the plan with a label, if there is one."""
+        """Return the plan with a label, or None."""
         return self._by_label.get(label)
 
     def _new_label(self) -> str:
@@ -349,13 +357,11 @@ class PlanLibrary:
         plans = filed.get(plan.literal.key, [])
         if not plans:
             filed[plan.literal.key] = plans
-            # The plans for any event are candidates of each kind of event, in the order of the
-            # program.
             plans.extend(self._for_any[plan.sort])
         plans.insert(0 if first else len(plans), plan)
 
     def remove(self, label: str, source: Literal = FROM_SELF) -> None:
-        """Take a source off the plan with a label, and remove the plan if it was the last."""
+        """Remove a source of a plan, and the plan with its last source."""
         self._stop_sharing()
         plan = self._by_label.get(label)
         if plan is None or source not in plan.label.annots:
@@ -376,7 +382,7 @@ class PlanLibrary:
                 del filed[key]
 
     def candidates(self, sort: str, literal: Literal | Var | Qualified) -> list[LoadedPlan]:
-        """Return the plans whose trigger has the sort and key of an event, in order."""
+        """Return the plans that may be relevant for an event, in order."""
         if literal.__class__ is Literal:
             plans = self._by_trigger[sort].get(literal.key)
             return self._for_any[sort] if plans is None else plans

@@ -111,7 +111,7 @@ class AgentSettings:
 
 
 Change: TypeAlias = tuple[bool, Literal]
-"""A percept that comes, with True, or goes."""
+"""A percept, with True if it is added and False if it is removed."""
 
 
 class PerceptBuffer:
@@ -135,18 +135,18 @@ class PerceptBuffer:
 
     @property
     def current(self) -> list[Literal]:
-        """The percepts that hold, in the order in which they came."""
+        """Current percepts in order of arrival."""
         return list(self._now.values())
 
     def queue(self, change: Change) -> None:
-        """Let a percept come or go, with the next `advance` or at once."""
+        """Add or remove a percept, at the next `advance` or immediately."""
         if self.at_once:
             self._change((change,))
         else:
             self.coming.append(change)
 
     def apply(self) -> None:
-        """Let those come and go that wait for it."""
+        """Apply the queued changes."""
         changes, self.coming = self.coming, []
         self._change(changes)
 
@@ -161,27 +161,27 @@ class PerceptBuffer:
                 now[key] = percept
             else:
                 del now[key]
-            # Last in order is last in time: what comes again after it went counts from then.
+            # The order of changes is the order in time, also for percepts that return.
             if changed:
                 changed.pop(key, None)
             changed[key] = change
 
     def update(self, beliefs: BeliefBase) -> list[tuple[str, Literal]]:
-        """Update the beliefs from the percepts; return the changes, deletions before additions.
+        """Update the beliefs from the percepts. Return the changes, deletions first.
 
-        A percept that the program has stopped believing although it still holds is new again.
+        A current percept is new again after the program has removed its belief.
         """
         changed, self.changed = self.changed, {}
         changes = []
-        for there, percept in changed.values():
-            if not there:
+        for is_added, percept in changed.values():
+            if not is_added:
                 removed = beliefs.forget_percept(percept)
                 if removed is not None:
                     changes.append(("-", removed))
         if beliefs.lost_percepts:
             changed = self._with_lost(beliefs, changed)
-        for there, percept in changed.values():
-            if there:
+        for is_added, percept in changed.values():
+            if is_added:
                 belief = beliefs.perceive(percept)
                 if belief is not None:
                     changes.append(("+", belief))
@@ -190,10 +190,10 @@ class PerceptBuffer:
     def _with_lost(
         self, beliefs: BeliefBase, changed: dict[object, Change]
     ) -> dict[object, Change]:
-        """Return what has changed, those first that the program has stopped believing."""
+        """Return the changes, preceded by the current percepts that lost their beliefs."""
         lost, beliefs.lost_percepts = beliefs.lost_percepts, {}
-        known = ((key, self._now[key]) for key in {**lost, **changed} if key in self._now)
-        return {key: (True, percept) for key, percept in known}
+        keys = {**lost, **changed}
+        return {key: (True, self._now[key]) for key in keys if key in self._now}
 
 
 MILLISECOND = 1_000_000
@@ -203,7 +203,7 @@ _LOG = logging.getLogger("bdi")
 
 
 class AnswerReceiver(Protocol):
-    """Question for whose answer an intention waits."""
+    """Question of an intention that waits for the answer."""
 
     def answer(self, message: Message) -> None:
         """Handle an answer."""
@@ -213,7 +213,7 @@ Query: TypeAlias = "Callable[[AgentState, Literal, Unifier], Answer]"
 
 
 def nanoseconds(seconds: float) -> int:
-    """Return a time in whole nanoseconds, so that sums of times are exact: 0.1 + 0.2 is 0.3.
+    """Return a time in whole nanoseconds, so that sums are exact.
 
     Raises `ValueError` if the time is not finite.
     """
@@ -340,17 +340,17 @@ class AgentState:
     # ---- beliefs
 
     def believe(self, literal: Literal) -> None:
-        """Add a belief, with source `self` if it names none, and raise its event."""
+        """Add a belief, by default with the source `self`, and raise its event."""
         self.add_belief(with_source(literal))
 
     def add_belief(self, literal: Literal, *, at_end: bool = False) -> None:
-        """Add a belief with the annotations that it has, and raise its event."""
+        """Add a belief with its annotations, and raise its event."""
         added = self.beliefs.add(literal, at_end=at_end)
         if added is not None:
             self.circumstance.post(Event("+", added))
 
     def disbelieve(self, literal: Literal) -> None:
-        """Remove a belief, that of source `self` if it names none, and raise the event."""
+        """Remove a belief, by default that of the source `self`, and raise its event."""
         removed = self.beliefs.remove(with_source(literal), {})
         if removed is not None:
             self.circumstance.post(Event("-", removed))
@@ -373,7 +373,7 @@ class AgentState:
         return True
 
     def swapped(self, removed: Literal, added: Literal, intention: Intention) -> bool:
-        """Raise the events of a replaced belief. Returns as `changed`."""
+        """Raise the events of a replaced belief. Return as `changed`."""
         candidates = self.plans.candidates
         if candidates("-", removed) or candidates("+", added) or not self.is_quiet:
             self.changed("-", removed, None)
@@ -440,7 +440,7 @@ class AgentState:
         _LOG.warning("%s: %s", self.name, line)
         self.note("warning", line, intention)
 
-    def note(self, kind: str, what: object, intention: Intention | None = None) -> None:
+    def note(self, kind: str, content: object, intention: Intention | None = None) -> None:
         """Report an entry to `on_event`."""
         if self._on_event is None or kind not in self._noted:
             return
@@ -450,7 +450,7 @@ class AgentState:
             place = intention.top.place
             file, line = place.file, place.line
         entry = Entry(
-            time=self.now, kind=kind, text=str(what), intention=number, file=file, line=line
+            time=self.now, kind=kind, text=str(content), intention=number, file=file, line=line
         )
         self._on_event(entry)
 
@@ -551,7 +551,7 @@ def _note_plans(agent: AgentState) -> None:
 def _begin(agent: AgentState, program: Program, beliefs: Sequence[Belief] = ()) -> None:
     """Add the beliefs and goals of a program."""
     clauses = with_run_functions((*beliefs, *_believed(program)), agent.functions)
-    # Each belief goes to the front, so that the first of them stands first in the end.
+    # Each belief is added at the front, so they are added in reverse order.
     for clause in reversed(clauses):
         _believe(agent, clause)
     for goal in program.goals:

@@ -1,6 +1,6 @@
 """Benchmark of planners: questions, evaluated answers, tables and logs."""
 
-from .answering import Answer, Progress, known
+from .answering import Answer, Progress, table_name
 from .measuring import SEEDED, TOUCHES, Asked, Attempt, benchmark, evaluate
 from .peers import PEERS
 from .questions import Question, QuestionsError, drawn_questions, map_of, read_questions
@@ -41,13 +41,13 @@ __all__ = [
     "drawn_questions",
     "evaluate",
     "groups",
-    "known",
     "map_of",
     "median",
     "read_questions",
     "share",
     "success_over_time",
     "summary",
+    "table_name",
     "write_csv",
     "write_ompl_log",
     "write_summary",

@@ -53,7 +53,7 @@ Ask = Callable[[Point, Point, int], Answer]
 """Function that returns the answer of a planner to a start and goal (metres) and a seed."""
 
 
-def known(planner: str | PlannerChoice) -> str:
+def table_name(planner: str | PlannerChoice) -> str:
     """Return the name of `planner` in tables. `UserError` if it is unknown or not installed."""
     if isinstance(planner, str) and planner in PEERS:
         if not PEERS[planner].installed:
@@ -96,7 +96,7 @@ def _ask_own(planner: PathPlanner, limit: float, start: Point, goal: Point, seed
     except PlanningError as why:
         return Answer(reason=why.reason, planning=watch.elapsed())
     taken = watch.elapsed()
-    watch.found(path.length)
+    watch.add(path.length)
     planning = min(watch.solved_after, taken)
     return Answer(
         points=path.points,
@@ -128,14 +128,14 @@ class _ProgressWatch(Watch):
         if hasattr(planner, "bestCost"):
             cost = float(planner.bestCost().value())
             if cost > 0:
-                self.found(cost)
+                self.add(cost)
         return self.elapsed() > self._limit
 
     def solved(self) -> None:
         """Record the time: see `Watch`."""
         self.solved_after = self.elapsed()
 
-    def found(self, length: float) -> None:
+    def add(self, length: float) -> None:
         """Record a path of `length` metres, if it is the shortest so far."""
         if not self.progress or length < self.progress[-1].length:
             self.progress.append(Progress(self._iterations, self.elapsed(), length))

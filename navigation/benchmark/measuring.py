@@ -17,7 +17,7 @@ from floorplan import Floorplan, Point, UserError
 
 from ..catalog import PlannerChoice
 from ..world import CollisionWorld
-from .answering import Answer, Ask, Progress, known, length_of, planner_in
+from .answering import Answer, Ask, Progress, length_of, planner_in, table_name
 from .questions import Question, drawn_questions, read_questions
 
 Floats = NDArray[np.float64]
@@ -182,7 +182,7 @@ def benchmark(
     names = [plan.name for plan in plans]
     if twice := [name for name in names if names.count(name) > 1]:
         raise UserError(f"two floors are called {twice[0]!r}: their answers would be mixed up")
-    entries = {known(planner): planner for planner in planners}
+    entries = {table_name(planner): planner for planner in planners}
     results = []
     for plan in plans:
         keep = plan.human.radius if radius is None else radius

@@ -17,7 +17,7 @@ from floorplan.files.fields import figure
 from floorplan.files.problems import shown, suggestion
 from floorplan.files.reading import is_there, read_text
 
-from ..planner import blocked_place
+from ..obstruction import blocked_place
 from ..world import CollisionWorld
 from .shortest import ShortestPaths
 

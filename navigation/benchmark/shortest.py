@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -118,8 +119,16 @@ def _shrunk(walkable: shapely.Geometry, radius: float) -> shapely.Geometry:
     return walkable.difference(shapely.union_all([*grown, lost]))
 
 
-def _corners(room: shapely.Geometry) -> tuple[Floats, Floats, Floats]:
-    """Return the convex corners of obstacles, and the vectors to the corners on either side."""
+class _TautCorners(NamedTuple):
+    """Convex corners of obstacles, and the vectors to the corners on either side, (N, 2) each."""
+
+    corner: Floats
+    before: Floats
+    after: Floats
+
+
+def _corners(room: shapely.Geometry) -> _TautCorners:
+    """Return the convex corners of obstacles."""
     parts = []
     for polygon in shapely.get_parts(shapely.orient_polygons(room)):
         for ring in (polygon.exterior, *polygon.interiors):
@@ -127,8 +136,7 @@ def _corners(room: shapely.Geometry) -> tuple[Floats, Floats, Floats]:
             before, after = np.roll(points, 1, 0) - points, np.roll(points, -1, 0) - points
             out = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] > 0
             parts.append(np.stack([points[out], before[out], after[out]]))
-    corner, before, after = np.concatenate([np.empty((3, 0, 2)), *parts], axis=1)
-    return corner, before, after
+    return _TautCorners(*np.concatenate([np.empty((3, 0, 2)), *parts], axis=1))
 
 
 def _taut(along: Floats, before: Floats, after: Floats) -> NDArray[np.bool_]:

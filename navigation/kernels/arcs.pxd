@@ -30,5 +30,5 @@ cdef Cubic _hermite(double p, double v, double w, double h, double step) noexcep
 cdef Position _velocity(PosePiece part, Cubic heading, double u) noexcept
 cdef Py_ssize_t _cubics_of(PosePiece part, double top_speed) noexcept
 cdef bint _rests(Cubic c) noexcept
-cdef double _most(Cubic c, double length) noexcept
-cdef double _most_change(Cubic c, double length) noexcept
+cdef double _top_speed(Cubic c, double length) noexcept
+cdef double _top_acceleration(Cubic c, double length) noexcept

@@ -216,10 +216,10 @@ def _cubics_of(part: PosePiece, top_speed: float) -> cython.Py_ssize_t:
     length: float = part.end - part.begin
     if (_rests(a) and _rests(b)) or _rests(w):
         return 1
-    speed: float = norm(_most(a, length), _most(b, length))
-    turn: float = _most(w, length)
-    pull: float = norm(_most_change(a, length), _most_change(b, length))
-    spin: float = _most_change(w, length)
+    speed: float = norm(_top_speed(a, length), _top_speed(b, length))
+    turn: float = _top_speed(w, length)
+    pull: float = norm(_top_acceleration(a, length), _top_acceleration(b, length))
+    spin: float = _top_acceleration(w, length)
     jerk: float = 6 * norm(a.j, b.j)
     twist: float = 6 * abs(w.j)
     along: float = 3 * turn * turn * pull + 3 * turn * spin * speed
@@ -243,7 +243,7 @@ def _rests(c: Cubic) -> bool:
     return c.v == 0.0 and c.a == 0.0 and c.j == 0.0
 
 
-def _most(c: Cubic, length: float) -> float:
+def _top_speed(c: Cubic, length: float) -> float:
     """Return the maximum speed of an axis in a stretch."""
     greatest: float = max(abs(slope(c, 0.0)), abs(slope(c, length)))
     if c.j != 0.0 and 0.0 < -c.a / (3 * c.j) < length:
@@ -251,6 +251,6 @@ def _most(c: Cubic, length: float) -> float:
     return greatest
 
 
-def _most_change(c: Cubic, length: float) -> float:
+def _top_acceleration(c: Cubic, length: float) -> float:
     """Return the maximum acceleration of an axis in a stretch."""
     return max(abs(second_slope(c, 0.0)), abs(second_slope(c, length)))

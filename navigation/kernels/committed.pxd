@@ -14,7 +14,7 @@ cdef class CommittedMotions(DiscMotions):
     cdef Position heading(self, Py_ssize_t k, double t) noexcept
     cdef double cosine(self, Py_ssize_t k, double t, double c, double s) noexcept
     cpdef double between(self, Py_ssize_t i, Py_ssize_t k, double t) noexcept
-    cdef list[Py_ssize_t] _resting(self, Py_ssize_t me, Numbers box, double around, double now)
+    cdef list[Py_ssize_t] _resting(self, Py_ssize_t person, Numbers box, double around, double now)
 
 cdef class Movers(DiscMotions):
     cdef readonly CommittedMotions floor

@@ -113,46 +113,48 @@ class CommittedMotions(DiscMotions):
         way: Position = self.heading(i, t)
         return self.cosine(k, t, way.x, way.y)
 
-    def standing(self, me: int, box: Numbers, around: float, now: float) -> Numbers:
+    def standing(self, person: int, box: Numbers, around: float, now: float) -> Numbers:
         """Return circles around the people who stay at rest `now` (s) within `around` metres.
 
-        They are rows of centres and radii, from which the `me`-th person must stay away (metres).
+        They are rows of centres and radii (metres), outside of which `person` must stay.
         """
-        there: list[cython.Py_ssize_t] = self._resting(me, box, around, now)
+        there: list[cython.Py_ssize_t] = self._resting(person, box, around, now)
         circles: Numbers = circle_room(len(there))
         radii: Doubles = at(self.radii)
         i: cython.Py_ssize_t
         for i in range(len(there)):
             end: PlanarPiece = self.end(there[i])
-            radius: float = radii[me] + radii[there[i]] + self.gap
+            radius: float = radii[person] + radii[there[i]] + self.gap
             circles_of(circles)[i] = Circle(end.x.p, end.y.p, radius)
         return circles
 
     def _resting(
-        self, me: cython.Py_ssize_t, box: Numbers, around: float, now: float
+        self, person: cython.Py_ssize_t, box: Numbers, around: float, now: float
     ) -> list[cython.Py_ssize_t]:
         resting: list[cython.Py_ssize_t] = []
         i: cython.Py_ssize_t
-        near: list[cython.Py_ssize_t] = self.near(box, around, me)
+        near: list[cython.Py_ssize_t] = self.near(box, around, person)
         for i in range(len(near)):
             k: cython.Py_ssize_t = near[i]
             if self.rests(k) <= now:
                 resting.append(k)
         return resting
 
-    def encloses(self, me: int, other: int, x: float, y: float, around: float, now: float) -> bool:
+    def encloses(
+        self, person: int, other: int, x: float, y: float, around: float, now: float
+    ) -> bool:
         """Return whether `other` belongs to the ring of people who stand around (x, y) `now`.
 
-        The ring grows from neighbour to neighbour through gaps that are too narrow for the `me`-th
-        person, up to `around` metres.
+        The ring grows from neighbour to neighbour through gaps that are too narrow for `person`, up
+        to `around` metres.
         """
         place: Numbers = numbers((x, y, x, y))
-        left: list[cython.Py_ssize_t] = self._resting(me, place, around, now)
+        left: list[cython.Py_ssize_t] = self._resting(person, place, around, now)
         ring: Numbers = circle_room(len(left) + 1)  # stack of members without examined neighbours
         circle: Circles = circles_of(ring)
         radii: Doubles = at(self.radii)
-        width: float = 2 * (radii[me] + self.gap)
-        circle[0] = Circle(x, y, -radii[me])
+        width: float = 2 * (radii[person] + self.gap)
+        circle[0] = Circle(x, y, -radii[person])
         last: cython.Py_ssize_t = 0
         i: cython.Py_ssize_t
         while last >= 0:

@@ -62,7 +62,7 @@ cdef inline bint is_at_rest(Cubic x, Cubic y) noexcept:
 cdef inline double deviation(Cubic x, Cubic y, double half) noexcept:
     return half * half * (norm(x.a, y.a) + half * norm(x.j, y.j))
 
-cdef inline double held(double begin, double end, double t) noexcept:
+cdef inline double elapsed(double begin, double end, double t) noexcept:
     return min(max(t, begin), end) - begin
 
 cdef inline double end_of(Numbers table) noexcept:

@@ -122,7 +122,7 @@ def deviation(x: Cubic, y: Cubic, half: float) -> float:
     return half * half * (norm(x.a, y.a) + half * norm(x.j, y.j))
 
 
-def held(begin: float, end: float, t: float) -> float:
+def elapsed(begin: float, end: float, t: float) -> float:
     """Return the time since `begin` at `t`, limited to the interval."""
     return min(max(t, begin), end) - begin
 

@@ -166,7 +166,7 @@ class DiscMotions:
     ) -> tuple[int, float]:
         """Return the index of the first of the discs `near` in conflict, or -1, and the time."""
         first: Meeting = self.first_meeting(near, ahead, own, begin)
-        return first.who, first.t
+        return first.person, first.t
 
     def first_but(
         self, apart: bytearray, ahead: Swath, own: float, begin: float
@@ -185,7 +185,7 @@ class DiscMotions:
                 t: float = self.met(k, ahead, own, begin, first.t)
                 if t < first.t:
                     first = Meeting(k, t)
-        return first.who
+        return first.person
 
 
 class DiscWindow:

@@ -133,12 +133,12 @@ class Grid:
             high = e.ax + slope * (min(max(top, min(e.ay, e.by)), max(e.ay, e.by)) - e.ay)
         if low > high:
             low, high = high, low
-        most: float = self.columns - 1.0
+        limit: float = self.columns - 1.0
         first: cython.Py_ssize_t = int(
-            min(max((low - margin - self.low_x) / self.width, 0.0), most)
+            min(max((low - margin - self.low_x) / self.width, 0.0), limit)
         )
         last: cython.Py_ssize_t = int(
-            min(max((high + margin - self.low_x) / self.width, 0.0), most)
+            min(max((high + margin - self.low_x) / self.width, 0.0), limit)
         )
         return CellWindow(first, row, last - first + 1, 1)
 

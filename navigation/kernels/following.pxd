@@ -11,7 +11,7 @@ cdef class ChoiceParameters:
     cdef readonly Numbers detours, widths, paces, delays, parts, files
 
 cdef class Passer:
-    cdef Py_ssize_t me
+    cdef Py_ssize_t index
     cdef double top_speed, radius, comfort, time_gap, foresight, usual
 
 cdef class CarFollowing:

@@ -55,7 +55,7 @@ class ChoiceParameters:
 
 
 class Passer:
-    """Person with index `me` who passes others.
+    """Person with index `index` who passes others.
 
     `top_speed` is in m/s, `radius` and the preferred additional distance `comfort` in metres,
     `time_gap` and `foresight` in seconds (see `Manners`). `usual` is the preferred side, 1 for left
@@ -64,7 +64,7 @@ class Passer:
 
     def __init__(
         self,
-        me: int,
+        index: int,
         top_speed: float,
         radius: float,
         comfort: float,
@@ -72,7 +72,7 @@ class Passer:
         foresight: float,
         usual: float,
     ) -> None:
-        self.me = me
+        self.index = index
         self.top_speed = top_speed
         self.radius = radius
         self.comfort = comfort
@@ -119,7 +119,7 @@ class CarFollowing:
                 other: Leader = self.behind(k, t, here)
                 if other.speed < leader.speed:
                     leader = other
-        if leader.who < 0:
+        if leader.person < 0:
             return top
         for i in range(len(slow)):
             k = slow[i]
@@ -130,7 +130,9 @@ class CarFollowing:
                 and motions.cosine(k, t, here.c, here.s) < -self.parameters.same_way
             ):
                 return top
-        return Leader(leader.who, max(leader.speed, self.parameters.least_speed), leader.walks_on)
+        return Leader(
+            leader.person, max(leader.speed, self.parameters.least_speed), leader.walks_on
+        )
 
     def speed_at(self, near: list[cython.Py_ssize_t], t: float, here: CoursePlace) -> float:
         """Return the speed (m/s) behind others from a place at `t` (s)."""
@@ -189,9 +191,9 @@ class CarFollowing:
             piece = planar(table)[planar_from(table, n, t + parameters.sees)]
             u = t + parameters.sees - piece.begin
             walked: float = (value(piece.x, u) - ox) * here.c + (value(piece.y, u) - oy) * here.s
-            most: float = self._speed_behind(along, away, touch, walked / parameters.sees)
-            if most < least:
-                least = most
+            behind: float = self._speed_behind(along, away, touch, walked / parameters.sees)
+            if behind < least:
+                least = behind
                 leader = k
         return leader
 

@@ -21,7 +21,7 @@ cdef class TrajectoryChoice:
     cdef readonly bint inside
     cdef readonly double reach, stop
     cdef double own
-    cdef bytearray known
+    cdef bytearray checked
     cdef Swath wished
     cdef readonly Numbers seen
     cdef readonly list[Py_ssize_t] near

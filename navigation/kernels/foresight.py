@@ -37,22 +37,10 @@ _BEYOND: float = 0.5  # metres by which walks beside a course are longer than th
 
 
 class TrajectoryChoice:
-    """Choice of a person among the committed `motions` of others, from the candidates `walks`.
+    """Choice of a person (`walker`) among candidate `walks` and the `motions` of all people.
 
-    Parameters
-    ----------
-    walks : Candidates
-        Candidate walks.
-    motions : CommittedMotions
-        Motions of all people.
-    walker : Passer
-        Person.
-    narrow, narrow_outside : Cells
-        Narrow places for a person who is inside of one, and for a person outside.
-    legs : Legs
-        Segments that are free of walls.
-    parameters : ChoiceParameters
-        Parameters.
+    `narrow` has the narrow places for a person who is inside of one, `narrow_outside` for others.
+    `legs` tests segments for walls.
     """
 
     def __init__(
@@ -76,7 +64,7 @@ class TrajectoryChoice:
         start: Position = positions_of(walks.course.corners)[0]
         self.inside = narrow_outside.has(start.x, start.y)
         self.narrow = narrow if self.inside else narrow_outside
-        self.known = bytearray(int(parameters.farthest / parameters.stride) + 3)
+        self.checked = bytearray(int(parameters.farthest / parameters.stride) + 3)
         self.reach = walker.top_speed * walker.foresight
         self.stop = self.stop_beyond(self.reach)
         self.seen = room(4)
@@ -124,10 +112,10 @@ class TrajectoryChoice:
         k: cython.Py_ssize_t = int(ceil(length / stride))
         if k * stride > min(self.walks.course.length, self.parameters.farthest) + stride:
             return False
-        if self.known[k] == 0:
+        if self.checked[k] == 0:
             here: CoursePlace = self.walks.course.come_to(k * stride)
-            self.known[k] = 2 if self.narrow.has(here.x, here.y) else 1
-        narrow: bool = self.known[k] == 2
+            self.checked[k] = 2 if self.narrow.has(here.x, here.y) else 1
+        narrow: bool = self.checked[k] == 2
         return narrow
 
     # The others
@@ -139,7 +127,7 @@ class TrajectoryChoice:
         """
         self._see(self.parameters.looks_around)
         self.hit = self._first_met(self.own)
-        return self.hit.who, self.hit.t
+        return self.hit.person, self.hit.t
 
     def _see(self, around: float) -> cython.int:
         """Set `near` to the people who may come within `around` metres of the preferred walk.
@@ -151,7 +139,7 @@ class TrajectoryChoice:
             BoundingBox(b.low_x - around, b.low_y - around, b.high_x + around, b.high_y + around)
         )
         self.near = self.motions.near(
-            self.seen, self.walker.radius + self.walker.comfort, self.walker.me
+            self.seen, self.walker.radius + self.walker.comfort, self.walker.index
         )
         return 0
 
@@ -165,29 +153,29 @@ class TrajectoryChoice:
         """Return the free walk with the least loss, or None.
 
         Candidates shift aside, slow down, stop earlier or start later. The preferred walk is the
-        result if nobody is near it.
+        result if no other person is near it.
         """
         near: Meeting = self._first_met(self.own + self.walker.comfort)
         walks: Candidates = self.walks
         self.ahead = self.following.leader(self.near, self.state.begin, walks.course.come_to(0.0))
-        if near.who < 0 and self.ahead.who < 0:
+        if near.person < 0 and self.ahead.person < 0:
             return self.wished
         walks.clear()
         hit: Meeting = self.hit
-        if near.who < 0 or hit.who < 0:
+        if near.person < 0 or hit.person < 0:
             return self._keep_distance(near)
         motions: CommittedMotions = self.motions
         # A person in the same direction leaves the place of the conflict, so slowing down suffices.
         # A person who stands or comes the other way must be passed.
-        same: float = motions.between(self.walker.me, hit.who, self.state.now)
+        same: float = motions.between(self.walker.index, hit.person, self.state.now)
         follows: cython.bint = same > self.parameters.alike
         if not follows:
             self.ahead = Leader(-1, 0.0, 0.0)
-        at_rest: cython.bint = hit.t >= motions.rests(hit.who)
+        at_rest: cython.bint = hit.t >= motions.rests(hit.person)
         self._propose_slower_later_shorter(hit.t, at_rest, follows)
-        opposed: cython.bint = not follows and motions.bound[hit.who] != 0 and not self.inside
+        opposed: cython.bint = not follows and motions.bound[hit.person] != 0 and not self.inside
         self._propose_past(near, opposed)
-        if near.who != hit.who:
+        if near.person != hit.person:
             self._propose_past(hit, opposed)
         walk: Swath | None = self._next_free()
         # Wide detours cost most. Only standing people try them, and not behind a walking person.
@@ -204,18 +192,18 @@ class TrajectoryChoice:
         """Return the preferred walk, or one with more distance from others, without a conflict."""
         walks: Candidates = self.walks
         ahead: Leader = self.ahead
-        brush: float = 0.0 if near.who < 0 else self.parameters.brush
-        if ahead.who < 0:
+        brush: float = 0.0 if near.person < 0 else self.parameters.brush
+        if ahead.person < 0:
             walks.add(brush, self.stop, self.walker.top_speed, 0.0)
         else:
             # Share of the top speed that following costs.
             loses: float = 1.0 - max(ahead.speed, ahead.walks_on) / self.walker.top_speed
             walks.add(brush + max(loses, 0.0) * self.reach, self.stop, ahead.speed, 0.0)
-            self._propose_past(Meeting(ahead.who, self.state.begin), False)
-        if near.who >= 0:
+            self._propose_past(Meeting(ahead.person, self.state.begin), False)
+        if near.person >= 0:
             self._propose_past(near, False)
         walk: Swath | None = self._next_free()
-        return self.wished if walk is None or (ahead.who < 0 and walks.row == 0) else walk
+        return self.wished if walk is None or (ahead.person < 0 and walks.row == 0) else walk
 
     def _propose_slower_later_shorter(
         self, hit_at: float, at_rest: bool, follows: bool
@@ -229,7 +217,7 @@ class TrajectoryChoice:
         parameters: ChoiceParameters = self.parameters
         speed: float = self.state.speed
         stands: cython.bint = speed < _STANDS
-        is_behind: cython.bint = self.ahead.who >= 0
+        is_behind: cython.bint = self.ahead.person >= 0
         fastest: float = self.walker.top_speed
         top: float = self.ahead.speed if is_behind else fastest
         whole: float = min(self.reach, walks.course.length)
@@ -272,7 +260,7 @@ class TrajectoryChoice:
         """Return whether a stop in a narrow place after `length` metres of the course is allowed.
 
         The person must be inside already, or follow a person who leaves in the same direction, and
-        nobody may come the other way. Otherwise files from both ends would meet inside.
+        no person may come the other way. Otherwise files from both ends would meet inside.
         """
         return (self.is_narrow(0.0) or follows) and not self._is_opposed(length)
 
@@ -327,7 +315,7 @@ class TrajectoryChoice:
         """
         level: FrenetPlace = self._level_with(other)
         # At the comfort distance, then at the minimum distance, to either side.
-        needed: float = self.walker.radius + at(self.motions.radii)[other.who] + self.motions.gap
+        needed: float = self.walker.radius + at(self.motions.radii)[other.person] + self.motions.gap
         wide: float = needed + self.walker.comfort
         sides: Numbers = numbers(
             (
@@ -374,7 +362,7 @@ class TrajectoryChoice:
         """Return the place on the course level with the person of a conflict at that time."""
         before: float = distance_travelled(self.wished.table, self.state.begin, other.t)
         here: CoursePlace = self.walks.course.come_to(before)
-        there: Position = self.motions.place(other.who, other.t)
+        there: Position = self.motions.place(other.person, other.t)
         along: float = before + max(ahead_of(here, there.x, there.y), 0.0)
         return FrenetPlace(along, left_of(here, there.x, there.y))
 

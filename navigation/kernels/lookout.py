@@ -49,8 +49,8 @@ class Towards(LawEvaluator):
     def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         half: float = (end - begin) / 2
         walked: float = self.speed * (begin + half - self.since)
-        # The distance to a person who walks straight at the machine shrinks by the top speed. That
-        # equals a standing person and a requirement that grows at this rate.
+        # The distance to a person who walks straight at the machine shrinks by the top speed. A
+        # standing person and a requirement that grows at this rate are equivalent.
         if self.fixed >= 0.0:
             return TaylorModel(walked + self.fixed, self.speed, 0.0, 0.0)
         pace: TaylorModel = encounter.machine.speed_over(begin, end)
@@ -250,7 +250,7 @@ def most_remote(
     """Return the index of the place on whose path `people` stay farthest from a machine.
 
     `places` has x and y (m) of each, beginning with the machine's own place. The result is 0 if
-    nobody comes nearer than `enough` to that place. The machine drives straight at `top` speed
+    no person comes nearer than `enough` to that place. The machine drives straight at `top` speed
     after `lag` seconds. People are rows of x, y (m) and velocity (m/s), which they keep for
     `horizon` seconds. Distances are sampled at `glances` (seconds from now).
     """

@@ -33,7 +33,7 @@ _ROUNDING: float = 1e-8  # metres; additional margin for near places
 class Network:
     """Links between the `bends` of a floor (rows of `Bend`) for discs of `radius` metres.
 
-    `portals` are rows of `Portal`, sorted by the triangles that they leave. Those of triangle t
+    `portals` are rows of `Portal`, sorted by the triangles that they leave. Rows of triangle t
     begin at `first_portal[t]`. Bend k is in `triangle[k]`. A link is at least `radius` metres from
     the `walls`, and does not cross `gates` backwards (see `back_through`). Links are found on
     demand, and need 16 bytes each and 64 per bend.

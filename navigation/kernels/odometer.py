@@ -166,8 +166,8 @@ def smooth_stretches(motion: Any) -> tuple[Numbers, Numbers, float]:
                 before.append(total)
                 total += length(table, len(before) - 1, w - u)
         cache[_STRETCHES] = table, before, total
-    found: tuple[Numbers, Numbers, float] = cache[_STRETCHES]
-    return found
+    stretches: tuple[Numbers, Numbers, float] = cache[_STRETCHES]
+    return stretches
 
 
 def length(stretches: Numbers, k: cython.Py_ssize_t, u: float) -> float:

@@ -38,7 +38,7 @@ def evaluate(
     x: Cubic = piece.x
     y: Cubic = piece.y
     r: Cubic = piece.rotation
-    u: float = held(piece.begin, piece.end, t)
+    u: float = elapsed(piece.begin, piece.end, t)
     position = value(x, u), value(y, u), value(r, u)
     if not moving:
         return position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -51,7 +51,7 @@ def instant(table: Numbers, t: float) -> PosePiece:
     piece: PosePiece = poses(table)[max(pose_at(table, t), 0)]
     if not poses(table)[0].begin <= t < end_of(table):
         return _rest_at(piece, t, t)
-    u: float = held(piece.begin, piece.end, t)
+    u: float = elapsed(piece.begin, piece.end, t)
     return PosePiece(t, piece.end, shift(piece.x, u), shift(piece.y, u), shift(piece.rotation, u))
 
 
@@ -313,7 +313,7 @@ def between(table: Numbers, begin: float, end: float) -> Numbers:
 
 def _rest_at(piece: PosePiece, begin: float, end: float) -> PosePiece:
     """Return a rest from `begin` to `end` at the place of a piece at `begin`."""
-    u: float = held(piece.begin, piece.end, begin)
+    u: float = elapsed(piece.begin, piece.end, begin)
     return PosePiece(
         begin,
         end,

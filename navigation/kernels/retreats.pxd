@@ -12,7 +12,7 @@ cdef class Retreats:
     cdef SpeedLimits pace
     cdef double width, own
     cdef Numbers course, tops, lead, before, box, corners, places, stood
-    cdef Py_ssize_t me, index, last
+    cdef Py_ssize_t person, index, last
     cdef Swath sketch
     cdef int _note_ends(self) except -1
     cdef Swath _come(self, Position end)

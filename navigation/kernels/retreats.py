@@ -32,32 +32,17 @@ _JUST_NOW: float = 2e-3  # metres; at least the tolerance of `met` for an initia
 
 
 class Retreats:
-    """Walks of the `me`-th person, from rest, along a path and on to one of several places.
+    """Walks of a person, from rest, along a path and on to one of several places.
 
-    Parameters
-    ----------
-    movers : Movers
-        Drafts that the walks must not meet. Walks start at the time of the drafts.
-    me : int
-        Index of the person.
-    course : list of tuple of float
-        Polyline (m) from which the final place is at least `width` metres away.
-    width : float
-        Distance in metres.
-    legs : Legs
-        Walls that the part after the path must not meet.
-    top_speed, max_speed, acceleration : float
-        Limits in m/s and m/s².
-    lead : Swath, optional
-        Walk that precedes the retreat.
-    margin : float, optional
-        Additional distance from the movers in metres.
+    They start with the drafts of `movers` and meet none of them, with `margin` metres in addition.
+    The places are `width` metres off the polyline `course`, and the last segment is free of walls
+    by `legs`. Speeds are in m/s, at most `top_speed` and `max_speed`. A `lead` precedes the walks.
     """
 
     def __init__(
         self,
         movers: Movers,
-        me: int,
+        person: int,
         course: list[Place],
         width: float,
         legs: Legs,
@@ -68,7 +53,7 @@ class Retreats:
         margin: float = 0.0,
     ) -> None:
         self.movers = movers
-        self.me = me
+        self.person = person
         self.course = legs_of(course)
         self.width = width
         self.legs = legs
@@ -76,7 +61,7 @@ class Retreats:
         at(self.tops)[0] = top_speed
         start: float = movers.now if lead is None else lead.rests
         self.pace = SpeedLimits(start, 0.0, max_speed, acceleration)
-        self.own = movers.own(me) + margin
+        self.own = movers.own(person) + margin
         none: Numbers = room(0)
         self.lead = none if lead is None else lead.walk
         self.before = none if lead is None else lead.table
@@ -127,7 +112,7 @@ class Retreats:
                 if walk is None:
                     continue
             tried += 1
-            hit: cython.Py_ssize_t = self.movers.first_other(self.me, walk)
+            hit: cython.Py_ssize_t = self.movers.first_other(self.person, walk)
             if hit < 0 or not refusing[hit]:
                 return Retreat(walk, self.index, hit, tried)
         return Retreat(None, -1, -1, tried)

@@ -192,11 +192,11 @@ cdef struct FrenetPlace:
     double along, left
 
 cdef struct Meeting:
-    Py_ssize_t who
+    Py_ssize_t person
     double t
 
 cdef struct Leader:
-    Py_ssize_t who
+    Py_ssize_t person
     double speed, walks_on
 
 ctypedef CourseLeg* CourseLegs

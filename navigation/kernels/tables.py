@@ -352,14 +352,14 @@ class FrenetPlace(NamedTuple):
 class Meeting(NamedTuple):
     """First conflict: the index of the person, or -1, and the time (seconds)."""
 
-    who: int
+    person: int
     t: float
 
 
 class Leader(NamedTuple):
     """Index of a leader, or -1, with the speed behind the leader and the leader's own (m/s)."""
 
-    who: int
+    person: int
     speed: float
     walks_on: float
 

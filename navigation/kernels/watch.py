@@ -68,7 +68,7 @@ class UprightBox(Protocol):
 
 
 class KernelCondition:
-    """A condition that the kernel decides. Those of the same kind and values are equal."""
+    """Condition of the kernel. Conditions of one kind with the same values are equal."""
 
     __match_args__: tuple[str, ...] = ()
 
@@ -110,8 +110,8 @@ class KernelCondition:
 def in_kernel(condition: Condition) -> KernelCondition:
     """Return a condition as the kernel evaluates it."""
     if getattr(type(condition), "holds", None) is KernelCondition.holds:
-        known: KernelCondition = condition  # type: ignore[assignment]
-        return known
+        kernel: KernelCondition = condition  # type: ignore[assignment]
+        return kernel
     return CustomCondition(condition)
 
 
@@ -145,18 +145,18 @@ class TooClose(KernelCondition):
         if not law.steady:
             human = encounter.person.speeds(begin, end)
             robot = encounter.machine.speeds(begin, end)
-        most: float = law.distance(human.high, robot.high)
+        highest: float = law.distance(human.high, robot.high)
         # The second limit is below the first, so that a tie is always decided.
-        if apart.low + encounter.slack >= most:
+        if apart.low + encounter.slack >= highest:
             return 0
-        least: float = law.distance(human.low, robot.low)
-        if apart.high + encounter.slack / 2 < least:
+        lowest: float = law.distance(human.low, robot.low)
+        if apart.high + encounter.slack / 2 < lowest:
             return 1
         # Written so that NaN, for which all comparisons are false, is an error too.
-        if not least <= most:
+        if not lowest <= highest:
             raise ValueError(
-                f"{law.source} requires {least} m at speeds of {human.low:g} and"
-                f" {robot.low:g} m/s, but {most} m at {human.high:g} and {robot.high:g} m/s;"
+                f"{law.source} requires {lowest} m at speeds of {human.low:g} and"
+                f" {robot.low:g} m/s, but {highest} m at {human.high:g} and {robot.high:g} m/s;"
                 " a law must not ask for less when speeds grow"
             )
         return UNDECIDED

@@ -1,9 +1,9 @@
-"""The ROS bridge: a trial served over the rosbridge protocol, or an agent at another one's.
+"""The ROS bridge: a trial served over the rosbridge protocol, or an agent of another server.
 
-From below: `protocol` and `messages` define what may be sent, `exchange` carries it out, and
-`server` brings it in over websockets. `workcell` makes topics and services of a simulation and
-`session` keeps its time. At the other end, `connection` is a client and `remote_agent` the body
-of an agent.
+`protocol` and `messages` define operations and types. `exchange` carries operations out. `server`
+receives them over websockets, and `uplink` through another server. `workcell` provides the topics
+and services of a simulation, with `human_topics`, `machine_topics` and `floor_topics`. `session`
+advances it. `connection` is a client, and `remote_agent` the body of an agent that uses it.
 """
 
 from ..live.page_server import OriginError, Origins

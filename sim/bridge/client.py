@@ -12,20 +12,20 @@ from .protocol import LEVELS, Account, Level, Reassembly, Subscribe, fragments, 
 from .waiting import done_within
 
 LONGEST_QUEUE = 1000
-"""Messages. The most that wait of one topic, however many a client asks for."""
+"""Maximum number of waiting messages of one topic, whatever a client requests."""
 
 USUAL_QUEUE = 100
-"""Messages. The most that wait of one topic unless a client asks for more (10 s at 10 Hz)."""
+"""Number of waiting messages of one topic, unless a client requests more (10 s at 10 Hz)."""
 
 MOST_REPLIES = 1000
-"""Answers and status messages that may wait; a client that reads none of them is disconnected."""
+"""Number of waiting answers and status messages at which a client is disconnected."""
 
 Item = tuple[str, int | None]
-"""A message, and the size of the fragments that it is to be sent in, if any (characters)."""
+"""Message, and the size of its fragments in characters, if it is sent in fragments."""
 
 
 class TopicQueue:
-    """The messages of one topic that wait for one client: the latest `limit` of them."""
+    """Waiting messages of one topic for one client, at most the last `limit`."""
 
     def __init__(self, limit: int) -> None:
         self.limit = limit
@@ -33,10 +33,10 @@ class TopicQueue:
 
 
 class Outbox:
-    """Hands messages out in the order in which they came, without those dropped meanwhile.
+    """Waiting messages of a client in their order, without dropped ones.
 
-    `account` counts the messages that wait, and the one handed out last until the next is asked
-    for; nothing is kept where it is closed. `idle` is set while all messages are sent.
+    `account` counts the waiting messages and the last one that was returned. If it is closed,
+    nothing is added. `idle` is set while all messages are sent.
     """
 
     def __init__(self, account: Account) -> None:
@@ -52,17 +52,16 @@ class Outbox:
         return len(self._order)
 
     def reply(self, text: str, fragment_size: int | None = None) -> None:
-        """Add an answer; a client for which too many wait is disconnected."""
+        """Add an answer, or disconnect a client for which too many wait."""
         if len(self._replies.waiting) >= MOST_REPLIES:
             self._account.refuse(f"{MOST_REPLIES} answers wait to be read")
         self._put(self._replies, (text, fragment_size))
 
     def put(self, stream: TopicQueue, text: str, fragment_size: int | None = None) -> None:
-        """Add a topic's message, and drop the oldest ones of the topic where too many wait."""
+        """Add a message of a topic, and drop its oldest ones if too many wait."""
         while len(stream.waiting) >= stream.limit:
             self._count(stream.waiting.popleft(), -1)
-            # A stream stands in the order once for each message: its first place is that of its
-            # oldest.
+            # The order contains a stream once per message, so the first place is the oldest one's.
             self._order.remove(stream)
         self._put(stream, (text, fragment_size))
 
@@ -78,7 +77,7 @@ class Outbox:
             self.drop(stream)
 
     async def get(self) -> Item:
-        """Return the next message, as soon as there is one."""
+        """Wait for the next message and return it."""
         if self._under_way is not None:
             self._count(self._under_way, -1)
             self._under_way = None
@@ -102,17 +101,16 @@ class Outbox:
 
 
 ADVERTISED = 200
-"""Bytes. The memory that an advertised topic takes."""
+"""Bytes. Memory of an advertised topic."""
 
 _REQUEST, _SUBSCRIPTION, _CALL = 500, 3000, 4000
-"""Bytes. The memory that a request to subscribe takes, and so on."""
+"""Bytes. Memory of a request to subscribe, a subscription, and a service call."""
 
 
 class Subscription:
-    """A client's requests for the messages of one topic, by their ids, served as one stream.
+    """Requests of a client for the messages of one topic, by id, served as one stream.
 
-    The most demanding of them count: the shortest interval, the longest queue, the smallest
-    fragments.
+    The shortest interval, the longest queue and the smallest fragments of all requests count.
     """
 
     def __init__(self, client: Client) -> None:
@@ -126,7 +124,7 @@ class Subscription:
         client.account.add(_SUBSCRIPTION)
 
     def add(self, request: Subscribe) -> None:
-        """Serve a request as well, instead of the one of that id."""
+        """Add a request, which replaces the one with the same id."""
         if request.id not in self.requests:
             self._client.account.add(_cost(request.id))
         self.requests[request.id] = request
@@ -137,7 +135,7 @@ class Subscription:
             self._release()
 
     def remove(self, id: str | int | None) -> bool:
-        """Serve a request no longer, or with None none at all; return whether there was one."""
+        """Remove a request, or all requests for None. Return whether there was one."""
         gone = [one for one in self.requests if id is None or one == id]
         for one in gone:
             del self.requests[one]
@@ -152,15 +150,15 @@ class Subscription:
         return bool(gone)
 
     def offer(self, text: str) -> None:
-        """Send a message of the topic, now or when the interval is over, or drop it."""
+        """Send a message of the topic now, send it after the interval, or drop it."""
         if self._client.account.is_closed:
             return
         loop, interval = asyncio.get_running_loop(), self._interval
         if not interval or (loop.time() >= self._free_at and not self._held_back):
             self._free_at = loop.time() + interval
             self._send(text)
-        # Within the interval messages wait if the client asked for a queue; without one only the
-        # next after it is sent.
+        # Within the interval, messages wait if the client requested a queue. Otherwise only the
+        # next one after it is sent.
         elif self._most_held_back:
             if len(self._held_back) >= self._most_held_back:
                 self._release()
@@ -171,7 +169,7 @@ class Subscription:
 
     @property
     def _interval(self) -> float:
-        """Seconds between messages."""
+        """Interval between messages in seconds."""
         return min(one.throttle_rate or 0.0 for one in self.requests.values()) / 1000
 
     def _catch_up(self) -> None:
@@ -195,7 +193,7 @@ class Subscription:
 
 
 class Client:
-    """One connected client: `send(text)` sends to it, `account` counts the bytes held for it."""
+    """Connected client. `send(text)` sends to it, and `account` counts the bytes held for it."""
 
     def __init__(self, name: str, send: Callable[[str], Awaitable[None]], account: Account) -> None:
         self.name = name
@@ -213,7 +211,7 @@ class Client:
         return f"<client {self.name}>"
 
     def begin_call(self, call: asyncio.Future[None]) -> None:
-        """Keep a service call until it is done."""
+        """Add a service call until it is done."""
         self.calls.add(call)
         self.account.add(_CALL)
         call.add_done_callback(self._end_call)
@@ -223,28 +221,28 @@ class Client:
         self.account.add(-_CALL)
 
     def clear(self) -> None:
-        """Drop all that was to be sent, and all that is not complete."""
+        """Drop all messages that wait, and all incomplete ones."""
         self.outbox.clear()
         self.reassembly.clear()
 
     def report(self, level: Level, message: str, id: str | int | None = None) -> None:
-        """Send a status message, if the client wants those of that level."""
+        """Send a status message, if the client gets messages of this level."""
         if LEVELS.index(level) <= LEVELS.index(self.level):
             self.outbox.reply(status(level, message, id))
 
     async def send_forever(self) -> None:
-        """Send the messages of the outbox one after the other."""
+        """Send the messages of the outbox until this is cancelled."""
         for number in itertools.count(1):
             text, size = await self.outbox.get()
             for piece in fragments(text, size or len(text), f"{self.name}-{number}"):
                 await self._send(piece)
 
     async def idle(self, patience: float) -> bool:
-        """Wait until everything is sent, `patience` seconds at most; return whether it is."""
+        """Wait until everything is sent, for at most `patience` s. Return whether it is."""
         await done_within(self.outbox.idle.wait(), patience)
         return self.outbox.idle.is_set()
 
 
 def _cost(id: str | int | None) -> int:
-    """Return the size of a request with that id in bytes."""
+    """Return the size in bytes of a request with an id."""
     return _REQUEST + sys.getsizeof(id)

@@ -1,4 +1,4 @@
-"""A client's connection to a rosbridge server."""
+"""Connection of a client to a rosbridge server."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from .protocol import encode
 from .waiting import done_within
 
 ANSWER_WITHIN = 5.0
-"""Seconds. How long a service may take that answers at once."""
+"""Seconds within which most services answer."""
 
 _OPEN_WITHIN = 10.0
 _LONGEST_FRAME = 16 * 1024 * 1024
 
 
 class ConnectError(OSError):
-    """An address where no server answers, or none that speaks rosbridge."""
+    """Address without a rosbridge server."""
 
 
 class LostError(ConnectError):
-    """The connection broke off."""
+    """Connection that broke off."""
 
 
 class ServiceError(UserError):
-    """A service that is not there, or that could not do what it was asked for."""
+    """Service that does not exist, or has failed."""
 
 
 FIRST_RETRY, LAST_RETRY = 0.5, 5.0
@@ -66,10 +66,10 @@ Heard = Callable[[dict[str, Any]], None]
 
 
 class RosbridgeConnection:
-    """Subscribes, publishes and calls services; for use with `async with`.
+    """Connection to subscribe, publish and call services. Use it with `async with`.
 
-    `complained(text)` takes the complaints of the server. Subscribers get messages in the order in
-    which they come, before the answer to a call that comes after them.
+    `complained(text)` is called with each complaint of the server. Subscribers get messages in the
+    order of arrival, and before the answer to a call that arrives later.
     """
 
     def __init__(self, url: str, *, complained: Callable[[str], None] = lambda _: None) -> None:
@@ -89,7 +89,7 @@ class RosbridgeConnection:
         return self
 
     async def __aexit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """Send what is still to be sent, and disconnect."""
+        """Send everything that is waiting, and disconnect."""
         if kind is None:
             await done_within(self._outgoing.join(), 1.0)
         for task in (self._reading, self._writing):
@@ -98,12 +98,12 @@ class RosbridgeConnection:
         await self._socket.close()
 
     def subscribe(self, topic: str, type_: str, heard: Heard) -> None:
-        """Have `heard` called with every message of a topic."""
+        """Call `heard` with each message of a topic."""
         self._heard[topic] = (message_type(type_), heard)
         self._send({"op": "subscribe", "topic": topic, "type": type_, "queue_length": 100})
 
     def publish(self, topic: str, type_: str, message: dict[str, Any]) -> None:
-        """Publish a message; the topic is advertised before the first one."""
+        """Publish a message, and advertise the topic before the first one."""
         if topic not in self._advertised:
             self._advertised.add(topic)
             self._send({"op": "advertise", "topic": topic, "type": type_})
@@ -114,8 +114,8 @@ class RosbridgeConnection:
     ) -> dict[str, Any]:
         """Return the answer of a service.
 
-        `ServiceError` where it has none, or none `within` that time (seconds; None: no limit);
-        `LostError` where the connection breaks off.
+        `ServiceError` if it fails or does not answer `within` a time (s, None for no limit).
+        `LostError` if the connection breaks off.
         """
         id = f"call-{next(self._numbers)}"
         answer: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
@@ -133,7 +133,7 @@ class RosbridgeConnection:
             del self._calls[id]
 
     async def wait(self, seconds: float) -> None:
-        """Let `seconds` of the wall clock go by; `LostError` as `call`."""
+        """Wait for `seconds`. `LostError` if the connection breaks off."""
         await asyncio.wait((self._reading,), timeout=seconds)
         if self._reading.done():
             self._reading.result()
@@ -149,7 +149,7 @@ class RosbridgeConnection:
                 self._outgoing.task_done()
 
     async def _read(self, socket: ClientConnection) -> None:
-        """Hand on what comes; what a subscriber raises is raised where the agent waits."""
+        """Handle messages. Errors of subscribers are raised in `call` and `wait`."""
         with suppress(ConnectionClosed):
             async for text in socket:
                 self._take(text)

@@ -1,4 +1,4 @@
-"""Topics and services of the bridge, with those of rosapi."""
+"""Topics and services of the bridge, and of rosapi."""
 
 from __future__ import annotations
 
@@ -27,25 +27,25 @@ from .messages import (
 from .protocol import ProtocolError
 
 MOST_TOPICS = 1000
-"""How many topics all clients together may create, and how many one may subscribe to."""
+"""Number of topics that all clients may create, and to which one may subscribe."""
 
 MOST_CALLS = 100
-"""How many service calls of one client may be under way at once."""
+"""Number of service calls of one client at the same time."""
 
 
 class RefusedError(UserError):
-    """A request of a client that is refused; the client hears why."""
+    """Rejected request of a client, which gets the reason."""
 
 
 Values = dict[str, Any]
-"""The fields of a message, a request or an answer by their names."""
+"""Fields of a message, a request or an answer by name."""
 
 Heard = Callable[[Values, str], None]
 """Takes a message and the name of the client that published it. It may raise `RefusedError`."""
 
 Answer = Values | Coroutine[Any, Any, Values]
 Serve = Callable[[Client, Values], Answer]
-"""Answers a request of a client; may raise `RefusedError`."""
+"""Answers a request of a client. It may raise `RefusedError`."""
 
 
 def take(topic: str, port: CellCommand | CellTask, value: Any, source: str) -> Any:
@@ -63,9 +63,9 @@ def take(topic: str, port: CellCommand | CellTask, value: Any, source: str) -> A
 
 @dataclass(eq=False)
 class Topic:
-    """A topic, and the clients that publish on it and subscribe to it.
+    """Topic with the clients that publish on it and subscribe to it.
 
-    `ours` are those that the simulation publishes on; `heard` takes the messages of clients.
+    The simulation publishes on topics that are `ours`. `heard` handles the messages of clients.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Topic:
 
     @property
     def is_needed(self) -> bool:
-        """Whether a message published now reaches a client, now or later."""
+        """Whether a message that is published now reaches a client, now or later."""
         return bool(self.kept.maxlen or self.subscriptions)
 
     @property
@@ -88,13 +88,13 @@ class Topic:
 
     @property
     def is_of_clients(self) -> bool:
-        """Whether a client created it, for other clients."""
+        """Whether a client created the topic for other clients."""
         return not self.ours and self.heard is None
 
 
 @dataclass(frozen=True)
 class Service:
-    """A service, the type of its requests, and the function that answers them."""
+    """Service with the type of its requests, and the function that answers them."""
 
     name: str
     type: MessageType
@@ -104,7 +104,7 @@ class Service:
 class Exchange:
     """All topics and services, and the operations of clients on them.
 
-    `changed()` is called whenever a client advertises, publishes, subscribes or takes that back.
+    `changed()` is called whenever a client begins or ends to advertise, publish or subscribe.
     """
 
     def __init__(self) -> None:
@@ -116,14 +116,14 @@ class Exchange:
     def advertise(
         self, name: str, type_: str, *, heard: Heard | None = None, latched: int = 0
     ) -> Topic:
-        """Return a new topic that we publish on, and with `heard` clients as well.
+        """Return a new topic of the simulation. With `heard`, clients may publish on it, too.
 
-        Its last `latched` messages are sent to every client that subscribes later.
+        The last `latched` messages are sent to each client that subscribes later.
         """
         return self._add(Topic(name, message_type(type_), True, heard, deque(maxlen=latched)))
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
-        """Add a topic that clients publish on."""
+        """Add a topic on which clients publish."""
         self._add(Topic(name, message_type(type_), heard=heard))
 
     def _add(self, topic: Topic) -> Topic:
@@ -134,18 +134,18 @@ class Exchange:
     def provide(
         self, name: str, type_: str, answer: Serve, request: Mapping[str, str] | None = None
     ) -> None:
-        """Add a service; `request` has the types of its arguments by their names."""
+        """Add a service. `request` contains the types of its arguments by name."""
         self.services[name] = Service(
             name, MessageType(canonical(type_, "srv"), dict(request or {})), answer
         )
 
     def publish(self, topic: Topic, message: Values) -> None:
-        """Send a message of ours to every subscriber of its topic."""
+        """Send a message of the simulation to every subscriber of its topic."""
         if topic.is_needed:
             self._spread(topic, protocol.publication(topic.name, message))
 
     def take(self, client: Client, text: str | bytes) -> None:
-        """Carry out an operation of a client, or send the client what is wrong with it."""
+        """Carry out an operation of a client, or send the client the fault."""
         id: str | int | None = None
         try:
             operation = protocol.decode(text)
@@ -157,7 +157,7 @@ class Exchange:
             client.report("error", str(why), id)
 
     def forget(self, client: Client) -> None:
-        """Undo all that a client that has gone has asked for."""
+        """End all calls, subscriptions and announcements of a client that has gone."""
         for call in client.calls:
             call.cancel()
         for name in list(client.subscriptions):
@@ -223,8 +223,8 @@ class Exchange:
             raise RefusedError(f"no compression {request.compression!r}; there is: none")
         name, topic = request.topic, self.topics.get(request.topic)
         subscription = client.subscriptions.get(name)
-        most = client.subscriptions if subscription is None else subscription.requests
-        if len(most) >= MOST_TOPICS:
+        others = client.subscriptions if subscription is None else subscription.requests
+        if len(others) >= MOST_TOPICS:
             raise RefusedError(f"{MOST_TOPICS} subscriptions are the maximum")
         if topic is None:
             if request.type is None:
@@ -244,13 +244,13 @@ class Exchange:
         subscription = client.subscriptions.get(name)
         if subscription is None:
             return False
-        found = subscription.remove(id)
+        is_removed = subscription.remove(id)
         if not subscription.requests:
             del client.subscriptions[name]
             topic = self.topics[name]
             del topic.subscriptions[client]
             self._drop_if_unused(topic)
-        return found
+        return is_removed
 
     def _withdraw(self, client: Client, name: str) -> bool:
         if name not in client.advertised:
@@ -263,7 +263,7 @@ class Exchange:
         return True
 
     def _create(self, name: str, type_: MessageType) -> Topic:
-        """Return a new topic of the clients' own, on which they hear each other."""
+        """Return a new topic, on which clients hear each other."""
         if len(self.topics) - self._own >= MOST_TOPICS:
             raise RefusedError(f"{MOST_TOPICS} topics of clients are the maximum")
         topic = self.topics[name] = Topic(name, type_)
@@ -313,12 +313,12 @@ class Exchange:
         service = self.services.get(name)
         if service is None:
             raise RefusedError(f"no service is called {name!r}; {suggestion(name, self.services)}")
-        given, fields = request.args or {}, service.type.fields
-        if isinstance(given, list):  # the arguments in their order
-            if len(given) > len(fields):
-                raise RefusedError(f"{name} takes {len(fields)} arguments, not {len(given)}")
-            given = dict(zip(fields, given, strict=False))
-        return service.answer(client, conform(service.type, given))
+        arguments, fields = request.args or {}, service.type.fields
+        if isinstance(arguments, list):  # in their order
+            if len(arguments) > len(fields):
+                raise RefusedError(f"{name} takes {len(fields)} arguments, not {len(arguments)}")
+            arguments = dict(zip(fields, arguments, strict=False))
+        return service.answer(client, conform(service.type, arguments))
 
     async def _await(
         self, client: Client, request: protocol.CallService, answer: Coroutine[Any, Any, Values]
@@ -329,7 +329,7 @@ class Exchange:
             self._respond(client, request, str(why))
 
     def _respond(self, client: Client, request: protocol.CallService, values: Values | str) -> None:
-        """Send the values of an answer, or why there is none."""
+        """Send the values of an answer, or the reason of a failure."""
         response: Values = {
             "op": "service_response",
             "service": request.service,
@@ -345,17 +345,17 @@ _SINGLE = -1
 """Length of no array in rosapi_msgs/TypeDef. Arrays of any length have the length 0."""
 
 _US = "/floorwalker"
-"""The name of this node."""
+"""Name of this node."""
 
 
 def provide_rosapi(exchange: Exchange, now: Callable[[], float]) -> None:
-    """Let clients ask `exchange` for its topics, services and types; `now()` is the time (s)."""
+    """Add the services of rosapi to an exchange. `now()` is the time (s)."""
     topics, services = exchange.topics, exchange.services
 
     def provide(
         name: str, type_: str, answer: Callable[..., Values], argument: str | None = None
     ) -> None:
-        """Add a service that has one string, or nothing, for its argument."""
+        """Add a service with at most one argument, a string."""
         exchange.provide(
             f"/rosapi/{name}",
             f"rosapi_msgs/{type_}",
@@ -363,27 +363,27 @@ def provide_rosapi(exchange: Exchange, now: Callable[[], float]) -> None:
             {argument: "string"} if argument else {},
         )
 
-    def type_in(found: dict[str, Any], name: str) -> Values:
-        return {"type": found[name].type.name if name in found else ""}
+    def type_in(listed: dict[str, Any], name: str) -> Values:
+        return {"type": listed[name].type.name if name in listed else ""}
 
-    def of_type(found: dict[str, Any], field: str, kind: str) -> Callable[[str], Values]:
-        def list_them(type: str) -> Values:
-            wanted = canonical(type, kind)
-            return {field: sorted(n for n, one in found.items() if one.type.name == wanted)}
+    def of_type(listed: dict[str, Any], field: str, kind: str) -> Callable[[str], Values]:
+        def names(type: str) -> Values:
+            full = canonical(type, kind)
+            return {field: sorted(n for n, one in listed.items() if one.type.name == full)}
 
-        return list_them
+        return names
 
     def all_topics() -> Values:
         names = sorted(topics)
         return {"topics": names, "types": [topics[name].type.name for name in names]}
 
     def publishers(topic: str) -> Values:
-        found = topics.get(topic)
-        return {"publishers": _nodes(found.ours, found.publishers) if found else []}
+        one = topics.get(topic)
+        return {"publishers": _nodes(one.ours, one.publishers) if one else []}
 
     def subscribers(topic: str) -> Values:
-        found = topics.get(topic)
-        return {"subscribers": _nodes(found.heard, found.subscriptions) if found else []}
+        one = topics.get(topic)
+        return {"subscribers": _nodes(one.heard, one.subscriptions) if one else []}
 
     provide("topics", "Topics", all_topics)
     provide("topic_type", "TopicType", lambda topic: type_in(topics, topic), "topic")
@@ -405,14 +405,14 @@ def _nodes(ours: object, clients: Iterable[Client]) -> list[str]:
 
 
 def _details(type: str) -> Values:
-    """Return a type and all types inside it, each once."""
-    wanted, found = [canonical(type, "msg")], list[str]()
-    for name in wanted:
-        if name in MESSAGES and name not in found:
-            found.append(name)
+    """Return the definitions of a type and all types in it."""
+    names, defined = [canonical(type, "msg")], list[str]()
+    for name in names:
+        if name in MESSAGES and name not in defined:
+            defined.append(name)
             fields = MESSAGES[name].fields.values()
-            wanted += [kind.partition("[")[0] for kind in fields if "/" in kind]
-    return {"typedefs": [_definition(MESSAGES[name]) for name in found]}
+            names += [kind.partition("[")[0] for kind in fields if "/" in kind]
+    return {"typedefs": [_definition(MESSAGES[name]) for name in defined]}
 
 
 def _definition(type_: MessageType) -> Values:

@@ -1,6 +1,6 @@
 """ROS messages: types, validation, and states of the workcell as messages.
 
-The types are written as in .msg files: one line a type, its fields in their order. They are from
+Types are written as in .msg files: one line per type, with its fields in order. They are from
 std_msgs, geometry_msgs, nav_msgs, sensor_msgs, trajectory_msgs, tf2_msgs, rosgraph_msgs,
 builtin_interfaces and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_msgs of ARIAC 2023.
 """
@@ -69,22 +69,23 @@ _INTEGERS = {
 }
 _OTHERS = {"bool": bool, "string": str}
 _LONGEST_ARRAY = 10_000
-"""Elements. The longest array in a message."""
+"""Maximum number of elements of an array in a message."""
 
 
 class UnknownTypeError(UserError):
-    """A message type that the bridge does not speak."""
+    """Message type that the bridge does not know."""
 
 
 class MessageError(UserError):
-    """A message that is not of its type, with the field that is wrong."""
+    """Message that does not conform to its type, with the wrong field."""
 
 
 @dataclass(frozen=True)
 class MessageType:
-    """A message type, or the request of a service type, by its name (`std_srvs/srv/Trigger`).
+    """Message type, or request of a service type, by name (`std_srvs/srv/Trigger`).
 
-    `fields` gives the type of each field by the field's name; an array's type ends with `[]`.
+    `fields` maps the name of each field to its type. Types of arrays end with `[]`, or with `[N]`
+    for N elements.
     """
 
     name: str
@@ -92,18 +93,18 @@ class MessageType:
 
 
 def message_type(name: str) -> MessageType:
-    """Return the message type of that name, in ROS 2's form (`std_msgs/msg/Bool`) or ROS 1's.
+    """Return a message type by name, in the form of ROS 2 (`std_msgs/msg/Bool`) or ROS 1.
 
-    `UnknownTypeError` names the nearest one there is.
+    `UnknownTypeError` suggests a known one.
     """
-    found = MESSAGES.get(canonical(name, "msg"))
-    if found is None:
+    type_ = MESSAGES.get(canonical(name, "msg"))
+    if type_ is None:
         raise UnknownTypeError(f"unknown message type {name!r}; {suggestion(name, MESSAGES)}")
-    return found
+    return type_
 
 
 def canonical(name: str, kind: str) -> str:
-    """Return a name in ROS 2's form: `std_msgs/Bool` is `std_msgs/msg/Bool`.
+    """Return a name in the form of ROS 2: `std_msgs/Bool` is `std_msgs/msg/Bool`.
 
     `kind` is msg or srv.
     """
@@ -112,9 +113,9 @@ def canonical(name: str, kind: str) -> str:
 
 
 def conform(type_: MessageType, message: Any, place: str = "") -> dict[str, Any]:
-    """Return `message` with all fields of its type, those left out being zero or empty.
+    """Return `message` with all fields of its type. Missing ones are zero or empty.
 
-    `MessageError` names the field that is wrong; `place` is the field that `message` stands in.
+    `MessageError` names the wrong field. `place` is the field that contains `message`.
     """
     if not isinstance(message, dict):
         raise MessageError(
@@ -215,16 +216,16 @@ Message = dict[str, Any]
 Values = tuple[float, float, float]
 
 LOCATIONS = ("kitting", "assembly_front", "assembly_back", "warehouse")
-"""The AGV locations of ariac_msgs/AGVStatus, by number."""
+"""AGV locations of ariac_msgs/AGVStatus, by number."""
 
 UNKNOWN_LOCATION = 99
-"""The location of an AGV that drives, or stands elsewhere."""
+"""Location of an AGV that drives or is elsewhere."""
 
 NOWHERE = {"x": 1e6, "y": 1e6, "z": 0.0}
-"""The position of the robot on a floor without one: too far from anybody to matter."""
+"""Position of the robot on a floor without one, far from all people."""
 
 _AT_REST = 1e-6
-"""Metres and metres a second. An AGV that is nearer to a location, and slower, stands there."""
+"""Metres and m/s. An AGV this near to a location, and this slow, is there."""
 
 _KINDS = ("kitting", "assembly", "combined")
 _COLORS = ("red", "green", "blue", "orange", "purple")
@@ -232,7 +233,7 @@ _TYPES = {"battery": 10, "pump": 11, "sensor": 12, "regulator": 13}
 
 
 def seconds(t: float) -> Message:
-    """Return a time or a duration (builtin_interfaces)."""
+    """Return a time or duration (builtin_interfaces)."""
     whole, nanoseconds = divmod(round(t * 1e9), 1_000_000_000)
     return {"sec": whole, "nanosec": nanoseconds}
 
@@ -248,7 +249,7 @@ def human_state(person: State, robot: State | None, robot_height: float) -> Mess
 
 
 def transforms(t: float, frames: Iterable[tuple[str, Body, float]]) -> Message:
-    """Return tf2_msgs/TFMessage, from the world to each frame: name, body, height in metres."""
+    """Return tf2_msgs/TFMessage from the world to frames, each with name, body and height (m)."""
     header = {"stamp": seconds(t), "frame_id": "world"}
     return {
         "transforms": [
@@ -288,7 +289,7 @@ def joint_state(t: float, gantry: Gantry, state: State) -> Message:
 
 
 def order_message(order: Order, floor: Floorplan) -> Message:
-    """Return ariac_msgs/Order. A trial has no poses of assembled parts: they are left blank.
+    """Return ariac_msgs/Order. Poses of assembled parts are blank, because trials have none.
 
     The destination of a kit is a location of its AGV on this floor, or a station that it serves.
     """

@@ -1,7 +1,7 @@
 """Rosbridge v2 protocol: operations, fragments, and limits of memory per client.
 
-A count is close to the memory that Python uses: texts by their size in memory, and a flat figure
-for every object around them, so that many small things cost as much as they do.
+Counts are close to the memory that Python uses: the size of each text in memory, and a constant
+for each object around it, so that many small objects count as well.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from pydantic_core import from_json
 from floorplan import UserError
 
 _PLACE = 100
-"""Bytes. The memory that a text takes in a queue, beside its own."""
+"""Bytes. Memory of a place in a queue, without the text."""
 
 
 def size_of(text: str) -> int:
-    """Return the bytes that a text takes where it waits."""
+    """Return the size of a waiting text in bytes."""
     return sys.getsizeof(text) + _PLACE
 
 
 class Ledger:
-    """The accounts of all clients.
+    """Accounts of all clients.
 
-    A client for which more than `most_for_one` bytes are held is disconnected. So is the one for
-    which the most are held, where they are more than `most_for_all` for all clients.
+    A client for which more than `most_for_one` bytes are held is disconnected. If more than
+    `most_for_all` bytes are held for all clients, the one with the largest share is disconnected.
     """
 
     def __init__(self, *, most_for_one: int = 8_000_000, most_for_all: int = 128_000_000) -> None:
@@ -41,10 +41,10 @@ class Ledger:
 
 
 class Account:
-    """The bytes that are held for one client.
+    """Bytes that are held for one client.
 
-    `let_go(why)` is called, once, when there are too many. From then on nothing is counted, and
-    nothing must be kept for the client any more.
+    `let_go(why)` is called once when there are too many. After that, nothing is counted, and
+    nothing may be held for the client.
     """
 
     def __init__(self, ledger: Ledger, let_go: Callable[[str], None]) -> None:
@@ -59,7 +59,7 @@ class Account:
         return self not in self._ledger.accounts
 
     def add(self, size: int) -> None:
-        """Count `size` bytes more, or less where it is negative."""
+        """Add `size` bytes, which may be negative."""
         if self.is_closed:
             return
         ledger = self._ledger
@@ -75,13 +75,13 @@ class Account:
             )
 
     def refuse(self, why: str) -> None:
-        """Disconnect the client, unless that is under way."""
+        """Disconnect the client, unless it is being disconnected."""
         if not self.is_closed:
             self.close()
             self.let_go(why)
 
     def close(self) -> None:
-        """Count nothing any more, since the client has gone."""
+        """Stop counting, because the client has gone."""
         if not self.is_closed:
             del self._ledger.accounts[self]
             self._ledger.held -= self.held
@@ -89,7 +89,7 @@ class Account:
 
 
 LONGEST_MESSAGE = 1_000_000
-"""Characters. A longer message is refused."""
+"""Characters. Longer messages are rejected."""
 
 LONGEST_NAME = 256
 """Characters. The longest name of a topic or a service, and the longest id."""
@@ -105,11 +105,11 @@ _SMALLEST_FRAGMENT = 64
 
 Level = Literal["error", "warning", "info", "none"]
 LEVELS: tuple[Level, ...] = ("none", "error", "warning", "info")
-"""Of status messages, from the level at which none is sent to that at which all are."""
+"""Levels of status messages, from none to all."""
 
 
 class ProtocolError(UserError):
-    """A message that is no operation of the protocol; `id` is its id, if it has one."""
+    """Message that is no operation of the protocol. `id` is its id, if it has one."""
 
     def __init__(self, message: str, id: str | int | None = None) -> None:
         super().__init__(message)
@@ -117,7 +117,7 @@ class ProtocolError(UserError):
 
 
 def absolute(name: str) -> str:
-    """Return the full name of a topic or service, which may be given without its first /."""
+    """Return the full name of a topic or service, whose first / may be missing."""
     return name if name.startswith("/") else f"/{name}"
 
 
@@ -134,7 +134,7 @@ class _Operation(BaseModel):
 
 
 class Advertise(_Operation):
-    """The client is going to publish on a topic."""
+    """Announcement that the client publishes on a topic."""
 
     op: Literal["advertise"]
     topic: _Topic
@@ -142,14 +142,14 @@ class Advertise(_Operation):
 
 
 class Unadvertise(_Operation):
-    """The client no longer publishes on a topic."""
+    """End of an announcement."""
 
     op: Literal["unadvertise"]
     topic: _Topic
 
 
 class Publish(_Operation):
-    """A message on a topic."""
+    """Message on a topic."""
 
     op: Literal["publish"]
     topic: _Topic
@@ -157,7 +157,7 @@ class Publish(_Operation):
 
 
 class Subscribe(_Operation):
-    """A request for a topic's messages, `throttle_rate` milliseconds or more apart."""
+    """Request for the messages of a topic, at least `throttle_rate` milliseconds apart."""
 
     op: Literal["subscribe"]
     topic: _Topic
@@ -169,14 +169,14 @@ class Subscribe(_Operation):
 
 
 class Unsubscribe(_Operation):
-    """The end of the subscription with that id, or without one of all of the client's."""
+    """End of the subscription with an id, or of all subscriptions of the client to a topic."""
 
     op: Literal["unsubscribe"]
     topic: _Topic
 
 
 class CallService(_Operation):
-    """A request to a service."""
+    """Request to a service."""
 
     op: Literal["call_service"]
     service: _Name
@@ -186,14 +186,14 @@ class CallService(_Operation):
 
 
 class SetLevel(_Operation):
-    """A choice of the status messages that the client gets."""
+    """Level of the status messages that the client gets."""
 
     op: Literal["set_level"]
     level: Level
 
 
 class Status(_Operation):
-    """A status message of the client; it has no effect."""
+    """Status message of the client, which has no effect."""
 
     op: Literal["status"]
     level: str | None = None
@@ -201,7 +201,7 @@ class Status(_Operation):
 
 
 class Fragment(_Operation):
-    """A piece of a message."""
+    """Part of a message."""
 
     op: Literal["fragment"]
     id: _Id
@@ -225,7 +225,7 @@ _OPERATION: TypeAdapter[Operation] = TypeAdapter(Annotated[Operation, Field(disc
 
 
 def decode(text: str | bytes) -> Operation:
-    """Return the operation that `text` is; `ProtocolError` says what is wrong with it."""
+    """Return the operation in a text. `ProtocolError` names the fault."""
     if len(text) > LONGEST_MESSAGE:
         raise ProtocolError(
             f"a message of {len(text)} characters; {LONGEST_MESSAGE} is the maximum"
@@ -260,7 +260,7 @@ def status(level: Level, message: str, id: str | int | None = None) -> str:
 
 
 def fragments(text: str, size: int, id: str) -> Iterator[str]:
-    """Yield `text`, or where it is longer than `size` characters its fragments."""
+    """Yield a text, or its fragments if it is longer than `size` characters."""
     if len(text) <= size:
         yield text
         return
@@ -282,7 +282,8 @@ class Reassembly:
     def add(self, fragment: Fragment) -> str | None:
         """Return the whole message once it is complete.
 
-        `ProtocolError` where it gets too long, or too many are begun (the oldest one is dropped).
+        `ProtocolError` if the message is too long, or too many are incomplete. Then the oldest one
+        is dropped.
         """
         id, num = fragment.id, fragment.num
         if num >= fragment.total:
@@ -293,7 +294,7 @@ class Reassembly:
         pieces = self._unfinished[id]
         if num in pieces:
             self._account.add(-size_of(pieces[num]))
-        # A piece that comes again takes the place of the one before.
+        # A repeated piece replaces the previous one.
         self._lengths[id] += len(fragment.data) - len(pieces.get(num, ""))
         pieces[num] = fragment.data
         self._account.add(size_of(fragment.data))
@@ -310,7 +311,7 @@ class Reassembly:
         return None
 
     def clear(self) -> None:
-        """Drop all that is not complete."""
+        """Drop all incomplete messages."""
         for id in list(self._unfinished):
             self._drop(id)
 
@@ -330,10 +331,10 @@ def _not_finite(text: str | bytes) -> str:
 
 
 def _id_of(data: dict[str, Any]) -> str | int | None:
-    given = data.get("id")
-    if isinstance(given, bool) or not isinstance(given, str | int):
+    id = data.get("id")
+    if isinstance(id, bool) or not isinstance(id, str | int):
         return None
-    return given if len(str(given)) <= LONGEST_NAME else None
+    return id if len(str(id)) <= LONGEST_NAME else None
 
 
 def _sentence(op: str, errors: ValidationError) -> str:

@@ -46,18 +46,18 @@ from .messages import NOWHERE
 from .workcell import ENDED, BridgeError
 
 _REPETITION = 0.5
-"""Seconds. A violation that is heard of again within them is the same one."""
+"""Seconds. A violation that is repeated within this time is the same one."""
 
 _PERCEPT_OF = {heard: percept for percept, heard in PERCEPTS.items()}
 
 
 class RemotePerson:
-    """The body of an agent at the other end of a rosbridge.
+    """Body of an agent at another rosbridge server.
 
-    Its percepts go to `mind`, whose actions are to be `act`; `perceived()` is called when there
-    are new ones. The floor is that of `trial`. With `waypoints` it plans paths itself and sends
-    their waypoints one by one, instead of leaving that to a navigation stack at the other end.
-    `now()` is the time there, seconds.
+    Its percepts go to `mind`, and `act` carries out actions. `perceived()` is called for new
+    percepts. The floor is that of `trial`. With `waypoints`, it plans paths and sends their
+    waypoints one by one, instead of a goal for the navigation at the other end. `now()` is the
+    time there (s).
     """
 
     def __init__(
@@ -87,20 +87,20 @@ class RemotePerson:
         self._at: Point = (0.0, 0.0)
         self._gantry: Point | None = None
         self._ahead: list[Point] = []
-        """Waypoints that are still to be sent."""
+        """Waypoints that are left."""
         self._started = False
         self._quiet_until = -math.inf
         self._repeats = False
         self._unsafe_at: dict[str, float] = {}
-        """Time at which each kind of violation was last heard of (s)."""
+        """Time of the last message about each kind of violation (s)."""
         self._unavailable: set[str] = set()
 
     def connect(
         self, connection: RosbridgeConnection, offered: Collection[str], *, repeats: bool = True
     ) -> None:
-        """Hear and act through `connection`, whose server has the topics `offered`.
+        """Perceive and act through `connection`, whose server has the topics `offered`.
 
-        With `repeats` the server repeats violations until they are answered.
+        With `repeats`, the server repeats violations until they are answered.
         """
         self._connection = connection
         self._repeats = repeats
@@ -109,9 +109,9 @@ class RemotePerson:
             connection.subscribe(
                 f"/ariac/{name}_status", "ariac_msgs/AGVStatus", partial(self._place_agv, name)
             )
-        ours = [topic for topic in (DETECTED, BLOCKED) if topic in offered]
+        added = [topic for topic in (DETECTED, BLOCKED) if topic in offered]
         connection.subscribe("/ariac_human/state", "ariac_msgs/HumanState", self._see)
-        for topic in (REACHED, UNSAFE, *ours, START):
+        for topic in (REACHED, UNSAFE, *added, START):
             connection.subscribe(topic, STRING if topic == BLOCKED else BOOL, self._hear(topic))
 
     def _hear(self, topic: str) -> Callable[[dict[str, Any]], None]:
@@ -132,7 +132,7 @@ class RemotePerson:
             self._perceived()
 
     def _take(self, percept: str) -> None:
-        """Turn a percept as the topics have it into the mind's."""
+        """Pass a percept of a topic to the mind."""
         if percept == "work_completed":
             if self._ahead:
                 self._send_goal(self._ahead.pop(0))
@@ -151,12 +151,12 @@ class RemotePerson:
         self._perceived()
 
     def _is_repeated(self, percept: str) -> bool:
-        """Whether a violation has been perceived: the original reports it ten times a second."""
+        """Return whether a violation has been perceived. The original reports it at 10 Hz."""
         now = self._now()
         if now < self._quiet_until:
             return True
         if DETECTED in self._offered:
-            # Ours is repeated until it is answered, and on its way a little longer.
+            # Floorwalker repeats it until it is answered. The last repetition arrives later.
             before = self._unsafe_at.get(percept, -math.inf)
             self._unsafe_at[percept] = now
             return self._repeats and now - before < _REPETITION
@@ -182,9 +182,9 @@ class RemotePerson:
         self._world.move_agv(name, min(max(status["position"], low), high))
 
     def act(self, action: bdi.Literal) -> bool:
-        """Carry out an external action of the agent; return whether it could be.
+        """Carry out an external action of the agent, and return whether that was possible.
 
-        `MindError` where its arguments are no position.
+        `MindError` if its arguments are no position.
         """
         name = action.functor
         if name == "move":
@@ -241,16 +241,16 @@ class RemotePerson:
 
 
 class SampledNotice:
-    """Notices the gantry once per approach, as the referee's `NoticeWatch` does, from samples.
+    """Notices the gantry once per approach, as the referee does, from samples.
 
-    An approach is over when the two have parted by `rule.parting` metres from where they were
-    nearest, or `rule.every` seconds after the noticing.
+    An approach is over when the distance is `rule.parting` metres more than its minimum, or
+    `rule.every` seconds after the noticing.
     """
 
     def __init__(self, rule: Notice) -> None:
         self._rule = rule
         self._nearest: float | None = None
-        """The least distance since the gantry was noticed, until the approach is over."""
+        """Minimum distance since the gantry was noticed, until the approach is over."""
         self._silent_until = -math.inf
         self._before = math.inf
 
@@ -271,7 +271,7 @@ class SampledNotice:
         return False
 
     def start_over(self, t: float) -> None:
-        """Begin anew at `t` (s), after `rule.silent` seconds: the person starts or was moved."""
+        """Restart at `t` (s) after `rule.silent` seconds, when the person starts or was moved."""
         self._nearest = None
         self._silent_until = max(self._silent_until, t + self._rule.silent)
         self._before = math.inf
@@ -282,16 +282,16 @@ def _place(point: dict[str, Any]) -> Point:
 
 
 FOREVER = 1e12
-"""Seconds. The next wakeup of an agent that waits for nothing."""
+"""Seconds. Next wakeup of an agent that waits for nothing."""
 
 
 class RemoteAgent:
-    """Runs a person's program against a live rosbridge, until the trial there is over.
+    """Runs the program of a person against a rosbridge server, until the trial there is over.
 
-    Where the server lets it, agent and simulation go step by step, and nothing depends on how
-    fast either is. Else time is that of /clock, or without one the wall's. `did(t, action)` is
-    called with every action of the agent, `said(t, text)` with what it prints, `notice(text)`
-    with what the user should know.
+    If the server allows it, agent and simulation advance step by step, so that nothing depends on
+    their speed. Otherwise time is that of /clock, or real time without one. `did(t, action)` is
+    called with every action of the agent, `said(t, text)` with every text that it prints, and
+    `notice(text)` with lines for the user.
     """
 
     def __init__(
@@ -334,7 +334,7 @@ class RemoteAgent:
         )
 
     async def run(self) -> None:
-        """Drive the person; `ConnectError` where nobody answers to begin with."""
+        """Drive the person. `ConnectError` if there is no answer at the start."""
         delay, connected = FIRST_RETRY, False
         while not self._ended:
             try:
@@ -367,7 +367,7 @@ class RemoteAgent:
             await self._go_along(connection)
 
     async def _may_step(self, connection: RosbridgeConnection) -> bool:
-        """Whether the server lets us decide when its time goes on; then it waits from now on."""
+        """Return whether the server advances on request. If so, it waits from now on."""
         with suppress(ServiceError):
             await connection.call("/floorwalker/advance", {"until": -1.0})
             return True
@@ -399,13 +399,15 @@ class RemoteAgent:
     def _tick(self, message: dict[str, Any]) -> None:
         stamp = message["clock"]
         time = stamp["sec"] + stamp["nanosec"] / 1e9 + self._clock_ahead
-        # Where the simulation has begun anew, the agent's time goes on from where it was.
-        self._clock_ahead += max(self._now - time, 0.0)
+        if time < self._now:
+            # A simulation that has started again. The agent's time continues.
+            self._notice(f"/clock goes back from {self._now:g} s to {time:g} s")
+            self._clock_ahead += self._now - time
         self._now = max(self._now, time)
         self._think()
 
     def _think(self) -> None:
-        """Let the agent think about new percepts; in steps that is done while time stands."""
+        """Advance the agent. In steps, `_go_in_steps` does this."""
         if self._in_steps or self._is_thinking:
             return
         self._is_thinking = True
@@ -430,7 +432,7 @@ class RemoteAgent:
 
 
 async def _listed(connection: RosbridgeConnection, what: str) -> list[str]:
-    """Return the names that a service of rosapi lists, or none without rosapi."""
+    """Return the names that a service of rosapi lists, none without rosapi."""
     try:
         names = (await connection.call(f"/rosapi/{what}", {})).get(what)
     except ServiceError:

@@ -25,28 +25,28 @@ from .protocol import LONGEST_MESSAGE, Account, Ledger
 from .waiting import done_within
 
 _FRAME = 300
-"""Bytes. The memory that a frame takes while it waits, beside its data."""
+"""Bytes. Memory of a waiting frame without its data."""
 
 _GOODBYE = 1.0
-"""Seconds. How long a client that is disconnected may take to read the reason."""
+"""Seconds in which a client that is being disconnected may read the reason."""
 
 _LONGEST_FAREWELL = 10_000
-"""Bytes that are still taken of a client that is disconnected."""
+"""Bytes that are accepted from a client that is being disconnected."""
 
 _POLICY = 1008
-"""The close code for a client that violates a policy (RFC 6455, 7.4.1)."""
+"""Close code for a client that violates a policy (RFC 6455, 7.4.1)."""
 
 
 class Incoming(ServerConnection):
-    """A client's connection, with the account of what is held for it.
+    """Connection of a client, with an account of the bytes held for it.
 
-    Counted are the bytes of an incomplete frame, frames that wait or belong to an incomplete
-    message, and bytes that wait to be written: answers to pings, which websockets sends unasked.
+    It counts the bytes of an incomplete frame, frames that wait or belong to an incomplete message,
+    and bytes that wait to be written. The latter are answers to pings, which websockets sends.
     """
 
     ledger: Ledger
     most: int
-    """How many connections there may be at once."""
+    """Maximum number of connections."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Open the account."""
@@ -63,7 +63,7 @@ class Incoming(ServerConnection):
             self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
-        """Count what comes in; of a client that is disconnected only a farewell is taken."""
+        """Count data. From a client that is being disconnected, only a farewell is accepted."""
         self._buffer(len(data))
         if self.account.is_closed:
             self._farewell -= len(data)
@@ -75,7 +75,7 @@ class Incoming(ServerConnection):
         self._unwritten = unwritten
 
     def process_event(self, event: object) -> None:
-        """Count a frame that is complete."""
+        """Count a complete frame."""
         if isinstance(event, Frame):
             self._buffer(-_length_on_the_wire(event))
             if event.opcode in DATA_OPCODES:
@@ -95,11 +95,11 @@ class Incoming(ServerConnection):
         super().connection_lost(exc)
 
     def taken(self) -> None:
-        """Count the oldest of the complete messages no longer: it is taken."""
+        """Stop counting the oldest complete message, because it is handled."""
         self.account.add(-self._messages.popleft())
 
     def dismiss(self, why: str) -> None:
-        """Close the connection; a client that doesn't read won't get the reason."""
+        """Close the connection. A client that does not read does not get the reason."""
         self._goodbye = asyncio.ensure_future(self._dismiss(why))
 
     async def _dismiss(self, why: str) -> None:
@@ -119,16 +119,16 @@ def _length_on_the_wire(frame: Frame) -> int:
 
 
 MOST_CLIENTS = 1000
-"""How many clients may be connected at once."""
+"""Maximum number of clients."""
 
 _MOST_CONNECTIONS = 2 * MOST_CLIENTS
-"""How many connections there may be, those included that have not sent a request yet."""
+"""Maximum number of connections, including those without a request yet."""
 
 _LONGEST_FRAME = 4 * LONGEST_MESSAGE
-"""Bytes: the longest message in UTF-8. A longer one ends the connection."""
+"""Bytes of the longest message in UTF-8. A longer one ends the connection."""
 
 _BACKLOG = 128
-"""Connections that the system keeps until they are taken."""
+"""Connections that the system queues until they are accepted."""
 
 _EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
@@ -136,21 +136,21 @@ _LONGEST_SHOWN = 100
 """Characters of an origin in a notice."""
 
 _MOST_NOTICES = 20
-"""How many clients are reported that are refused or disconnected; there may be no end of them."""
+"""Number of notices about rejected or disconnected clients."""
 
 _PING_EVERY = 20.0
-"""Seconds between pings, and until a client that doesn't answer one counts as gone."""
+"""Seconds between pings, and until a client without an answer counts as gone."""
 
 _TURNS = 5
-"""Turns of the event loop after which a message that has come in is certainly taken."""
+"""Turns of the event loop after which a received message is certainly handled."""
 
 
 class AddressError(OSError):
-    """An address that the bridge can't serve at."""
+    """Address that is not available."""
 
 
 def listen_at(host: str, port: int) -> socket.socket:
-    """Return a listening socket at an address (port 0: any that is free).
+    """Return a listening socket at an address. Port 0 is any free one.
 
     `AddressError` says why that fails.
     """
@@ -165,11 +165,11 @@ def listen_at(host: str, port: int) -> socket.socket:
 
 
 class RosbridgeServer:
-    """Serves an exchange to any number of clients.
+    """Server of an exchange for any number of clients.
 
-    `left(client)` is called when one has gone, `failed(why)` when a request fails through no fault
-    of the client's. Web pages of `origins` may take part, `ledger` limits what is held for
-    clients, and `notice(text)` notifies the user of clients that are refused or disconnected.
+    `left(client)` is called when a client has gone, and `failed(why)` when a request fails without
+    a fault of the client. Web pages of `origins` are accepted. `ledger` limits the bytes held for
+    clients. `notice(text)` reports rejected and disconnected clients to the user.
     """
 
     def __init__(
@@ -196,7 +196,7 @@ class RosbridgeServer:
         self._server: Server | None = None
 
     async def open(self, at: socket.socket) -> None:
-        """Take clients at a listening socket from now on."""
+        """Accept clients at a listening socket from now on."""
         logger = logging.getLogger(f"{__name__}.websockets")
         logger.addHandler(logging.NullHandler())
         logger.propagate = False
@@ -211,7 +211,7 @@ class RosbridgeServer:
         self._server = await serve(
             self._attend,
             sock=at,
-            # asyncio tries to take as many connections at once as this, and complains of each.
+            # asyncio tries to accept this many connections at once, and reports each failure.
             backlog=1,
             create_connection=CountedConnection,
             process_request=self._admit,
@@ -226,7 +226,7 @@ class RosbridgeServer:
         at.listen(_BACKLOG)
 
     async def close(self) -> None:
-        """Send what is still to be sent, and disconnect all clients."""
+        """Send everything that is waiting, and disconnect all clients."""
         await self.flush(1.0)
         self._is_closed = True
         if self._server is not None:
@@ -234,9 +234,9 @@ class RosbridgeServer:
             await self._server.wait_closed()
 
     async def flush(self, patience: float) -> None:
-        """Wait until all that is published is on its way, `patience` seconds at most.
+        """Wait until everything that is published is on its way, for at most `patience` s.
 
-        A client that is not ready in that time is not waited for again before it is.
+        Later calls do not wait for a client that was not ready in time, until it is.
         """
         busy = {client for client in self.clients if not client.outbox.idle.is_set()}
         self._slow &= busy
@@ -246,9 +246,9 @@ class RosbridgeServer:
             self._slow |= {client for client in waiting if not client.outbox.idle.is_set()}
 
     async def reached(self, client: Client, patience: float) -> None:
-        """Wait until a client has read all that was sent to it, and its messages are taken.
+        """Wait until a client has read all messages, and its own messages are handled.
 
-        That is when it answers a ping: `patience` seconds at most, and not once it has gone.
+        It has when it answers a ping. The wait is at most `patience` s.
         """
         connection = self.clients.get(client)
         if connection is None or client in self._slow:
@@ -258,8 +258,7 @@ class RosbridgeServer:
                 self._slow.add(client)
         except ConnectionClosed:
             return
-        # A ping is answered out of turn: what came before it may still wait to be taken, and cause
-        # more.
+        # A ping is answered out of turn, so earlier messages may still wait, and cause others.
         heard = -1
         while heard != client.heard:
             heard = client.heard
@@ -267,7 +266,7 @@ class RosbridgeServer:
                 await asyncio.sleep(0)
 
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Refuse a web page that is not trusted; a client that sends no origin is let in."""
+        """Reject web pages that are not trusted. A client without an origin is accepted."""
         host = ",".join(request.headers.get_all("Host"))
         for origin in request.headers.get_all("Origin"):
             if not self._origins.trust(origin, host):
@@ -277,12 +276,12 @@ class RosbridgeServer:
         return None
 
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Report in a sentence that there is no room for another client; asyncio repeats it."""
+        """Report once that there is no room for another client, which asyncio repeats."""
         why = context.get("exception")
         if "socket" in context and isinstance(why, OSError) and why.errno in _EXHAUSTED:
             self._notice_once(f"no more clients are accepted for now: {why.strerror}")
         elif self._is_closed and "_start_serving" in context.get("message", ""):
-            pass  # asyncio tries again to take clients, at a socket that is closed
+            pass  # asyncio tries to accept clients at a closed socket
         elif self._pass_on is not None:
             self._pass_on(loop, context)
         else:
@@ -298,7 +297,7 @@ class RosbridgeServer:
         if len(self.clients) >= MOST_CLIENTS:
             await connection.close(1013, f"{MOST_CLIENTS} clients are connected already")
             return
-        # asyncio does so itself only where it opened the listening socket.
+        # asyncio does this itself only if it has opened the listening socket.
         connection.transport.get_extra_info("socket").setsockopt(
             socket.IPPROTO_TCP, socket.TCP_NODELAY, 1
         )
@@ -320,7 +319,7 @@ class RosbridgeServer:
                     break
                 client.heard += 1
                 self._exchange.take(client, text)
-                # Other clients have their turn, however much this one sends.
+                # Serve other clients, however much this one sends.
                 await asyncio.sleep(0)
         except ConnectionClosed:
             pass

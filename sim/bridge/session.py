@@ -16,6 +16,7 @@ from .client import Client
 from .exchange import Exchange, RefusedError, provide_rosapi
 from .machine_topics import TRAJECTORY
 from .server import RosbridgeServer, listen_at
+from .uplink import Uplink
 from .waiting import done_within
 from .workcell import ENDED, STARTED, BridgeError, Workcell
 
@@ -106,7 +107,9 @@ class Session:
             raise BridgeError(f"speed must be 0 or more, not {speed:g}")
         if not (math.isfinite(grace) and grace >= 0):
             raise BridgeError(f"grace must be 0 or more seconds, not {grace:g}")
-        self.server = RosbridgeServer(
+        self._exchange = exchange
+        self._uplink: Uplink | None = None
+        self.server: RosbridgeServer | Uplink = RosbridgeServer(
             exchange, left=self._left, failed=self._fail, origins=origins, notice=notice
         )
         self._workcell = workcell
@@ -158,10 +161,31 @@ class Session:
             If the address is not available.
         """
         at = at or listen_at(host, port)
+        assert isinstance(self.server, RosbridgeServer)
         await self.server.open(at)
         name, port = at.getsockname()[:2]
         self._notice(f"serving ws://{f'[{name}]' if ':' in name else name}:{port}")
         return int(port)
+
+    async def connect(self, url: str) -> None:
+        """Serve through a rosbridge server from now on, instead of accepting clients.
+
+        Parameters
+        ----------
+        url : str
+            Address of the server.
+
+        Raises
+        ------
+        ConnectError
+            If nobody answers.
+        """
+        if not self._pace.speed:
+            raise BridgeError("speed must be more than 0 through another rosbridge server")
+        self.server = self._uplink = Uplink(
+            self._exchange, url, notice=self._notice, changed=self._changed.set
+        )
+        await self._uplink.open()
 
     async def run(self) -> None:
         """Advance until the trial is over.
@@ -248,6 +272,8 @@ class Session:
             return PAUSED
         if self._hold:
             return "nobody has called /ariac/start_competition"
+        if self._uplink is not None:
+            return "" if clients else f"there is no connection to {self._uplink.url}"
         for person in self._workcell.external:
             if not any(self._is_agent(client, person.name) for client in clients):
                 self._agent_since = None

@@ -17,7 +17,7 @@ from .values import Pose
 MOST_COMMANDS = 300
 """Number of values that one command or task accepts within `PERIOD`."""
 
-PERIOD = 0.1
+PERIOD = 0.5
 """Seconds of simulated time."""
 
 MOST_NOTICES = 20
@@ -71,7 +71,7 @@ class Admission:
         self._counts: dict[str, tuple[int, int]] = {}
         self._sources: dict[str, tuple[str, float]] = {}
 
-    def admit(self, name: str, value: object, source: str = "", *, shown: object = None) -> None:
+    def admit(self, name: str, value: object, source: str = "") -> None:
         """Admit a value at the present time.
 
         Parameters
@@ -82,8 +82,6 @@ class Admission:
             Value.
         source : str, optional
             Name of the client. Two clients of one command are reported once, and the last one wins.
-        shown : object, optional
-            Value as the message shows it. By default `value`.
 
         Raises
         ------
@@ -92,7 +90,8 @@ class Admission:
         """
         for number in _numbers(value):
             if not abs(number) <= LARGEST:
-                raise self.rejected(name, value, f"numbers must be finite, not {number:g}")
+                reason = f"numbers must be finite and at most {LARGEST:g}, not {number:g}"
+                raise self.rejected(name, value, reason)
         if self.is_open():
             self.catch_up()
         if not self.is_open():

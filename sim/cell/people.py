@@ -84,7 +84,7 @@ class PersonProgress:
 
     def __init__(self, person: str) -> None:
         self.outcome = ""
-        """"succeeded" or "failed: why" once it has ended."""
+        """Result "succeeded" or "failed: why" once it has ended."""
         self._person = person
         self._goal: list[float] | None = None
 

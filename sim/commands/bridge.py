@@ -56,6 +56,10 @@ def bridge(
         bool,
         typer.Option("--open/--no-open", help="With --watch: open the browser."),
     ] = True,
+    to: Annotated[
+        str | None,
+        typer.Option(metavar="URL", help="Serve through the rosbridge server at this address."),
+    ] = None,
     connect: Annotated[
         str | None,
         typer.Option(metavar="URL", help="Act as the agent at this rosbridge instead of serving."),
@@ -78,15 +82,17 @@ def bridge(
     if connect is not None:
         from sim.bridge import driven_person
 
-        if watch:
-            raise typer.BadParameter("cannot be combined with --connect", param_hint="watch")
+        for name, given_too in (("watch", watch), ("to", to is not None)):
+            if given_too:
+                raise typer.BadParameter("cannot be combined with --connect", param_hint=name)
         _be_the_agent(chosen, driven_person(loaded), connect, waypoints)
     else:
-        _serve(chosen, host, port, speed, hold, grace, origin or [], out, watch, opened)
+        _serve(chosen, to, host, port, speed, hold, grace, origin or [], out, watch, opened)
 
 
 def _serve(
     trial: Trial,
+    to: str | None,
     host: str,
     port: int,
     speed: float,
@@ -105,12 +111,14 @@ def _serve(
 
     if not (math.isfinite(speed) and speed >= 0):
         raise typer.BadParameter(f"must be 0 or more, not {speed:g}", param_hint="speed")
+    if to is not None and not speed:
+        raise typer.BadParameter("must be more than 0 with --to", param_hint="speed")
     try:
         trusted = Origins(origins)
     except OriginError as why:
         raise typer.BadParameter(str(why), param_hint="--origin") from None
-    at = listen_at(host, port)
-    if not _is_loopback(host):
+    at = listen_at(host, port) if to is None else None
+    if to is None and not _is_loopback(host):
         _notice(f"warning: anyone who can reach {host} can control the trial without a password")
     recording = recording_of(trial.name, out)
     live = LiveRun(trial.duration, speed=speed or 1.0) if watch else None
@@ -135,7 +143,7 @@ def _serve(
                     shown.enter_context(live.server)
                     _show(live.server.url, opened=opened)
                 leave_to_asyncio()
-                asyncio.run(_open_and_run(session, at))
+                asyncio.run(_open_and_run(session, at, to))
             except KeyboardInterrupt:
                 interrupted = True
             finally:
@@ -153,8 +161,11 @@ def _show(url: str, *, opened: bool) -> None:
         open_in_browser(url)
 
 
-async def _open_and_run(session: Session, at: socket.socket) -> None:
-    await session.open(at=at)
+async def _open_and_run(session: Session, at: socket.socket | None, to: str | None) -> None:
+    if to is None:
+        await session.open(at=at)
+    else:
+        await session.connect(to)
     await session.run()
 
 

@@ -187,7 +187,7 @@ def benchmark(
 ) -> None:
     """Benchmark planners: success, CPU time, length, clearance and memory."""
     from navigation import planners
-    from navigation.benchmark import benchmark as measure, known, summary
+    from navigation.benchmark import benchmark as measure, summary, table_name
 
     from ..core.compilation import notice_uncompiled
 
@@ -197,7 +197,9 @@ def benchmark(
         if figure is not None and not (least < figure < math.inf):
             wrong = f"must be above {least:g} and finite, found {figure:g}"
             raise typer.BadParameter(wrong, param_hint=name)
-    contenders = {known(one): one for one in map(_planner, planner or [i.name for i in planners()])}
+    contenders = {
+        table_name(one): one for one in map(_planner, planner or [i.name for i in planners()])
+    }
     names = list(contenders)
     plans = _floors(floorplan, questions, cell)
     if questions is None:

@@ -1,11 +1,11 @@
 """Live run in a browser: pause, speed and commands from its page.
 
-Requests come in the threads of the page's server and are answered in the thread of the run, between
-two of its steps: what is done in a run has one order, and an instant of simulated time.
+Requests arrive in the threads of the page server and are answered in the thread of the run between
+two steps, so that each has a place in the order of events and a simulated time.
 
-The page gets the plans of the moment, in closed form: it draws them as smoothly as a recording,
-and the simulation has nothing to do until a plan changes. It can pause the run, change its speed,
-and have something done in it.
+The page gets current motions in closed form. It draws them as smoothly as a recording, and the
+simulation has nothing to send until a motion changes. Its viewers can pause the run, change its
+speed, and send commands.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from ..views.replay_data import piece_data, replay_data
 from .page_server import MessageStream, PageServer
 
 Answer = dict[str, Any]
-"""Answer to a request: `problem`, where it can't be done, in words."""
+"""Answer to a request. `problem` is the reason of a rejection."""
 
 REQUEST_PATIENCE = 10.0
-"""Seconds that a request waits for the run to come to it."""
+"""Seconds in which the run answers a request."""
 
 OVER = "the run is over"
 
@@ -56,14 +56,14 @@ class _Request:
 
 
 class Requests:
-    """Requests that wait for the run to come to them."""
+    """Requests that wait for an answer of the run."""
 
     def __init__(self) -> None:
         self._waiting: SimpleQueue[_Request] = SimpleQueue()
         self._closed = False
 
     def ask(self, wish: Any) -> Answer:
-        """Return the answer to a wish; called in any thread, it waits for the run."""
+        """Return the answer to a wish. Any thread may call this, and waits for the run."""
         request = _Request(wish)
         self._waiting.put(request)
         if self._closed:
@@ -73,7 +73,7 @@ class Requests:
         return request.answer
 
     def answer(self, carry_out: Callable[[Any], Answer]) -> None:
-        """Answer all that wait, in their order."""
+        """Answer all waiting requests in order."""
         while True:
             try:
                 request = self._waiting.get_nowait()
@@ -83,7 +83,7 @@ class Requests:
             request.answered.set()
 
     def close(self) -> None:
-        """Answer no more: the run is over."""
+        """Stop answering, because the run is over."""
         self._closed = True
         self.answer(lambda _: {"problem": OVER})
 
@@ -95,7 +95,7 @@ BROWSER_PATIENCE = 10.0
 """Seconds to wait for a browser that was opened, and for the last message to get there."""
 
 MILLISECONDS = 1000.0
-"""Commands take effect at a whole millisecond, the next one, so that files have short numbers."""
+"""Commands take effect at the next whole millisecond, so that files have short numbers."""
 
 
 class LiveRun(InProgress, Listener):
@@ -241,7 +241,7 @@ class LiveRun(InProgress, Listener):
         self._stream.wait_until_read(BROWSER_PATIENCE)
 
     def _carry_out(self, simulation: Simulation, wish: Any) -> Answer:
-        """Do what the page wants: {"pace": {…}} or {"command": {…}}, a command without its time."""
+        """Carry out a request: {"pace": {…}}, or {"command": {…}} without the time."""
         try:
             match wish:
                 case {"pace": {**changes}} if self._pace is not None and changes.keys() <= {
@@ -271,11 +271,11 @@ class LiveRun(InProgress, Listener):
         self._send(motion={"body": body.name, "pieces": pieces})
 
     def _send_changes(self, simulation: Simulation) -> None:
-        known = [watch.known for watch in simulation.referee.watches]
-        for number, intervals in enumerate(known):
+        violations = [watch.known for watch in simulation.referee.watches]
+        for number, intervals in enumerate(violations):
             if number >= len(self._violations) or intervals != self._violations[number]:
                 self._send(violations={"watch": number, "intervals": intervals})
-        self._violations = known
+        self._violations = violations
         self._send(now=simulation.clock.now)
 
     def _send(self, **message: Any) -> None:
@@ -283,7 +283,7 @@ class LiveRun(InProgress, Listener):
 
 
 def _checked(changes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return changes of the pace; `ValueError` for values of other types."""
+    """Return changes of the pace. `ValueError` for values of other types."""
     speed, paused = changes.get("speed"), changes.get("paused")
     if not (speed is None or (isinstance(speed, int | float) and not isinstance(speed, bool))):
         raise UserError(f"speed must be a number, not {speed!r}")

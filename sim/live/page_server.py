@@ -1,10 +1,10 @@
-"""A page for a browser on this machine, a stream that it can follow, and its requests.
+"""Server of a page for a browser on this machine, with a stream of messages and requests.
 
-The messages of the stream are server-sent events, as HTML defines them: plain HTTP, which a browser
-resumes from the last message that it has seen. Requests are posts of JSON.
+The messages of the stream are server-sent events of HTML over plain HTTP. A browser resumes the
+stream after the last message it has received. Requests are posts of JSON.
 
-Without these checks any page that is open in a browser on this machine could drive the person: a
-browser lets pages of all hosts open websockets, and post, to all hosts, the loopback included.
+The checks of origins are necessary because browsers allow pages of all hosts to open websockets and
+to post to this machine, so that any open page could control the run.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ LONGEST_REQUEST = 65_536
 """Bytes of a request."""
 
 Control = Callable[[Any], dict[str, Any]]
-"""Returns the answer to a request, both as JSON; one with a `problem` was not done."""
+"""Returns the answer to a request, both as JSON. With a `problem`, the request has failed."""
 
 SIGN_OF_LIFE = 5.0
-"""Seconds between two signs of life on a quiet stream, which show that a reader is gone."""
+"""Seconds between two comments on a quiet stream, which show whether a reader is gone."""
 
 
 class MessageStream:
-    """Messages, kept from the first one on: a reader who comes late gets them all."""
+    """Messages since the first one, so that late readers get all of them."""
 
     def __init__(self) -> None:
         self._messages: list[bytes] = []
@@ -44,20 +44,20 @@ class MessageStream:
         self._ever_read = False
 
     def send(self, data: str, event: str = "message") -> None:
-        """Add a message: one line of text, and what kind of event it is."""
+        """Add a message of one line, with its kind of event."""
         with self._changed:
             number = len(self._messages)
             self._messages.append(f"id: {number}\nevent: {event}\ndata: {data}\n\n".encode())
             self._changed.notify_all()
 
     def close(self) -> None:
-        """End the stream: there are no more messages."""
+        """End the stream."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
 
     def messages(self, first: int = 0) -> Iterator[bytes]:
-        """Yield all messages from number `first` on, as they come; comments while there is none."""
+        """Yield all messages from number `first` on, and comments while there are none."""
         reader = threading.get_ident()
         try:
             while True:
@@ -78,12 +78,12 @@ class MessageStream:
                 self._changed.notify_all()
 
     def wait_for_reader(self, seconds: float) -> bool:
-        """Wait until a reader has begun, but no longer than `seconds`."""
+        """Wait for a reader for at most `seconds`. Return whether there was one."""
         with self._changed:
             return self._changed.wait_for(lambda: self._ever_read, seconds)
 
     def wait_until_read(self, seconds: float) -> bool:
-        """Wait until all readers have read all messages, but no longer than `seconds`."""
+        """Wait for at most `seconds` until all readers have read all messages."""
 
         def read() -> bool:
             return all(done >= len(self._messages) for done in self._readers.values())
@@ -93,12 +93,11 @@ class MessageStream:
 
 
 class PageServer:
-    """Serves a page at `url` from a thread of its own, and a stream beside it, at `url`stream.
+    """Server of a page at `url` in its own thread, with a stream at `url`stream.
 
-    Only this machine can reach it, and no page from elsewhere in a browser on this machine,
-    whatever name it calls this machine by. `port` 0 takes any that is free. Where the page has
-    `control`, by posts to `url`control, the address has a secret in it, so that only those take
-    part who were given it: not everybody who has an account on this machine.
+    Only programs on this machine can reach it, and no page of another host in a browser. `port` 0
+    is any free one. If the page has `control` (posts to `url`control), its address contains a
+    secret, so that other users of this machine cannot control the run.
     """
 
     def __init__(
@@ -125,7 +124,7 @@ class PageServer:
 
     @property
     def url(self) -> str:
-        """The address of the page."""
+        """Address of the page."""
         return f"http://{HOST}:{self._server.server_port}{self._root}"
 
     def __enter__(self) -> PageServer:
@@ -142,7 +141,7 @@ class _Server(ThreadingHTTPServer):
     block_on_close = False
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Ignore a browser that goes away in the middle."""
+        """Ignore a browser that disconnects."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -152,7 +151,7 @@ class _Handler(BaseHTTPRequestHandler):
     answer: Control | None
 
     def do_HEAD(self) -> None:
-        """Answer as a GET, with the headers alone."""
+        """Answer with the headers of a GET."""
         self.do_GET()
 
     def do_GET(self) -> None:
@@ -166,7 +165,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(HTTPStatus.NOT_FOUND)
 
     def do_POST(self) -> None:
-        """Answer a request of the page itself: a browser names the origin of whoever posts."""
+        """Answer a request of the page itself. Browsers send the origin of the page."""
         host, origin = self.headers.get("Host", ""), self.headers.get("Origin", "")
         if not (names_this_machine(host) and is_own(origin, host)):
             self.send_error(HTTPStatus.FORBIDDEN)
@@ -180,7 +179,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._send("application/json", json.dumps(answer), status)
 
     def _posted(self) -> Any:
-        """Return the JSON that was posted, None where it is none."""
+        """Return the posted JSON, or None if it is invalid."""
         length = self.headers.get("Content-Length", "")
         kind = self.headers.get_content_type()
         if kind != "application/json" or not length.isdecimal() or int(length) > LONGEST_REQUEST:
@@ -191,7 +190,7 @@ class _Handler(BaseHTTPRequestHandler):
             return None
 
     def log_message(self, format: str, *values: object) -> None:
-        """Write no log of requests."""
+        """Log nothing."""
 
     def _send(self, kind: str, text: str, status: HTTPStatus = HTTPStatus.OK) -> None:
         content = text.encode()
@@ -222,24 +221,24 @@ _USUAL_PORTS = {"http": ":80", "https": ":443"}
 
 
 def names_this_machine(host: str) -> bool:
-    """Return whether a Host header names this machine as such, not by a name that leads to it."""
+    """Return whether a Host header is an address of this machine, and no name that means one."""
     return _LOOPBACK.fullmatch(f"http://{host}") is not None
 
 
 def is_own(origin: str, host: str) -> bool:
-    """Return whether an origin ("" for no page) is that of a page which `host` itself has sent."""
+    """Return whether an origin is that of a page of `host`, or empty, which is no page."""
     return origin in ("", f"http://{host}")
 
 
 class OriginError(UserError):
-    """A text that is no origin of a web page."""
+    """Text that is no origin of a web page."""
 
 
 class Origins:
-    """Trusts clients that are no web pages, pages of this machine, and those of `named` origins.
+    """Trusted clients: all that are no web pages, pages of this machine, and `named` origins.
 
-    An origin is as `http://host:port`, or `null`: that is sent for a page from a file, and for
-    any page that hides where it comes from. `OriginError` where something else is named.
+    An origin is `http://host:port`, or `null`, which browsers send for pages from files and for
+    pages that hide their origin. `OriginError` for other texts.
     """
 
     def __init__(self, named: Iterable[str] = ()) -> None:
@@ -253,12 +252,11 @@ class Origins:
             self._named.add(normal)
 
     def trust(self, origin: str, host: str) -> bool:
-        """Return whether a client of `origin` may take part; `host` is its name for the server.
+        """Return whether a client of `origin` is accepted. `host` is its name for the server.
 
-        Some clients that are no browsers send the server's own address, and old ones leave out the
-        scheme, which browsers don't. With an IP address that is safe, since no page comes from
-        here. A name may be an attacker's, who has it lead to this machine once the page is loaded
-        (DNS rebinding).
+        Some clients that are no browsers send the address of the server, and old ones omit the
+        scheme, unlike browsers. An IP address is safe, because no page comes from here. A name may
+        belong to an attacker, and resolve to this machine after the page is loaded (DNS rebinding).
         """
         normal = _normal(origin)
         if "://" not in normal and normal != "null":
@@ -269,13 +267,13 @@ class Origins:
 
 
 def _normal(origin: str) -> str:
-    """Return an origin as browsers send it: in lower case, without the default port."""
+    """Return an origin as browsers send it, in lower case and without the default port."""
     origin = origin.lower()
     return origin.removesuffix(_USUAL_PORTS.get(origin.partition("://")[0], "/"))
 
 
 def _is_number(host: str) -> bool:
-    """Whether a Host header has an IP address, not a name."""
+    """Return whether a Host header is an IP address, not a name."""
     try:
         ipaddress.ip_address(urlsplit(f"//{host}").hostname or "")
     except ValueError:

@@ -1,4 +1,4 @@
-"""Actions of people: carry out decisions of an agent, and check the actions of programs."""
+"""Actions of people: names, arguments, and checks of programs."""
 
 from __future__ import annotations
 
@@ -24,27 +24,28 @@ from .walker import Walker
 from .work import Worker
 
 GLANCE_AHEAD = 2.0
-"""Time after which the gantry will be at the goal of `step_between`, s."""
+"""Seconds. `step_between` goes to the position of the gantry after this time."""
 
 SMALLEST_STEP = 0.05
-"""Room below which `move_away` fails, m."""
+"""Metres. `move_away` fails if there is less room than this."""
 
 
 OUT_OF_THE_WAY = 3.0
-"""Distance to which people avoid another person by default, m."""
+"""Metres. Default distance to which `avoid` goes."""
 
 BESIDE_WORK = ("walk_speed", "begin_task", "take", "refuse", "work_pace", "let_pass")
-"""Actions that do not end the current errand, wait or task."""
+"""Actions that do not interrupt the errand or the task of a person."""
 
 
 class MindError(UserError):
-    """A program contains an invalid action."""
+    """Error of a program with an action that no person can carry out."""
 
 
 class Actions:
     """Actions of one person, by their names in programs.
 
-    `home` is the position after a violation. "The gantry" is the nearest robot.
+    The person is put at `home` after a violation. If there are several robots, "the gantry" is the
+    nearest one.
     """
 
     def __init__(
@@ -58,7 +59,7 @@ class Actions:
         worker: Worker | None = None,
     ) -> None:
         self.put_home_at: float | None = None
-        """Time at which the person was last put home, s."""
+        """Time of the last teleport home (s), or None."""
         self._stage = stage
         self._walker = walker
         self._errand = errand
@@ -68,9 +69,9 @@ class Actions:
         self._worker = worker
 
     def perform(self, action: bdi.Literal) -> bool:
-        """Carry out an external action. Return whether that was possible.
+        """Carry out an external action. Return whether it succeeded.
 
-        `MindError` if there is no such action, or if its arguments are wrong.
+        Raises `MindError` if there is no such action, or if its arguments are invalid.
         """
         if action.functor not in BESIDE_WORK:
             self._leave()
@@ -92,7 +93,7 @@ class Actions:
             raise MindError(f"{name}: the action {action}: {why}") from None
 
     def teleport(self, reason: str) -> bool:
-        """Put the person home for this reason. Return whether there is room."""
+        """Put the person home because of `reason`. Return whether there is room."""
         self.put_home_at = self._stage.clock.now
         self._leave()
         at = self._place_at_home()
@@ -103,19 +104,19 @@ class Actions:
         return True
 
     def go_near(self, point: Point) -> bool:
-        """Walk to the free position nearest to `point`. Return whether there is a path."""
+        """Walk to the free place nearest to `point`. Return whether there is a path."""
         self._leave()
         return self._go_near(point)
 
     def _leave(self) -> None:
-        """End all waits, and interrupt the current task."""
+        """End the errand and the interaction, and pause the task."""
         self._errand.give_up()
         self._attention.give_up()
         if self._worker is not None:
             self._worker.pause()
 
     def _place_at_home(self) -> Point | None:
-        """Return home, or the nearest free position beside a body there, or None."""
+        """Return home, or the nearest free place beside a vehicle there, or None."""
         self._stage.place_machines()
         home, radius = self._home.position, self._walker.human.radius
         return self._crowd.room(home, radius, self._walker.traveller)
@@ -142,7 +143,7 @@ class Actions:
         return robot is not None and self._step_back(robot.body.at, metres)
 
     def _step_back(self, point: Point, metres: float) -> bool:
-        """Walk straight away from `point` by up to `metres`."""
+        """Walk straight away from `point` by `metres`, or by as much as is free."""
         self._stage.place_machines()
         (x, y), (gx, gy) = self._walker.body.at, point
         away = math.atan2(y - gy, x - gx)
@@ -238,21 +239,21 @@ WORK: dict[str, Callable[..., bool]] = {
 
 
 def numbers_of_arguments() -> dict[str, tuple[int, int]]:
-    """Return the minimum and the maximum number of arguments of each action."""
+    """Return the minimum and maximum number of arguments of each action."""
     taken = {name: _takes(action) for name, action in (ACTIONS | WORK).items()}
     return {name: (least, len(parameters)) for name, (least, parameters) in taken.items()}
 
 
 @cache
 def _takes(action: Callable[..., bool]) -> tuple[int, list[tuple[str, str]]]:
-    """Return the minimum number of arguments of a method, and the name and type of each."""
+    """Return the minimum number of arguments of an action, and the name and type of each."""
     _, *parameters = inspect.signature(action).parameters.values()
     least = sum(parameter.default is parameter.empty for parameter in parameters)
     return least, [(parameter.name, parameter.annotation) for parameter in parameters]
 
 
 def _value(term: bdi.Term) -> float | str | None:
-    """Return a number or a name, or None for other terms."""
+    """Return a term as a number or a name, or None."""
     if isinstance(term, float | str):
         return term
     if isinstance(term, bdi.Literal) and not term.args:
@@ -261,7 +262,7 @@ def _value(term: bdi.Term) -> float | str | None:
 
 
 def doubts_in(scenario: Scenario) -> tuple[bdi.ProgramProblem, ...]:
-    """Return the doubts about the programs of all people of a trial."""
+    """Return the warnings about the programs of all people of a trial."""
     used = {
         (personality, modules_of(person.actions, scenario.actions)): None
         for person in scenario.people
@@ -275,7 +276,7 @@ def doubts_in(scenario: Scenario) -> tuple[bdi.ProgramProblem, ...]:
 
 
 def doubts_of(program: bdi.Program) -> tuple[bdi.ProgramProblem, ...]:
-    """Return the places of a program that its author probably did not mean in that way."""
+    """Return the warnings about the program of a person."""
     triggers = (plan.trigger for name in bdi.programs() for plan in bdi.load(name).plans)
     events = {one.literal.functor for one in triggers if not one.kind}  # type: ignore[union-attr]
     events |= {*PERCEPTS}

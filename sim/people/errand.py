@@ -1,4 +1,4 @@
-"""Errand of a person: walk to a goal, replan, and wait beside an occupied goal."""
+"""Errand of a person: walks to a goal, replanning, and waits beside an occupied goal."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from .perception import Senses
 from .walker import Walker
 
 SPARE = 0.1
-"""Distance beyond the required one at which people wait, m."""
+"""Metres. Additional distance at which people wait for a vehicle."""
 
 _ZONE = "the zone that a vehicle needs to set out"
 
 
 class WaitingPlaces:
-    """Finder of positions beside a goal, at which a person waits until the vehicle there leaves."""
+    """Places where a person can wait beside a goal, so that the vehicle on it can leave."""
 
     def __init__(self, stage: Stage, world: CollisionWorld, human: Human) -> None:
         self._stage = stage
@@ -39,7 +39,7 @@ class WaitingPlaces:
         self._human = human
 
     def occupant(self, goal: Point) -> Machine | None:
-        """Return the vehicle at `goal`, if the goal is free without vehicles."""
+        """Return the vehicle on `goal` if only vehicles occupy it, or None."""
         radius, vehicles = self._human.radius, self._stage.vehicles
         touched = {body.name for body in self._world.hits(goal, goal, radius)}
         occupant = next((vehicle for vehicle in vehicles if vehicle.name in touched), None)
@@ -49,12 +49,12 @@ class WaitingPlaces:
         return occupant if without.free(goal, radius) else None
 
     def beside(self, goal: Point, vehicle: Machine) -> Point | None:
-        """Return the free position nearest to `goal` outside the zone of the vehicle, or None."""
+        """Return the free place nearest to `goal` outside the zone of the vehicle, or None."""
         zone = Disc(vehicle.centre, self._kept_from(vehicle))
         return self._world.as_if({_ZONE: zone}).nearest_free(goal, self._human.radius)
 
     def left(self, goal: Point, vehicle: Machine) -> float | None:
-        """Return the time at which a moving vehicle leaves `goal` (s), or None."""
+        """Return when the moving vehicle leaves `goal` and its surroundings (s), or None."""
         now, drive = self._stage.clock.now, vehicle.body.motion
         if drive.end <= now:
             return None
@@ -65,27 +65,27 @@ class WaitingPlaces:
         return next((end for _, end in stays if now < end < drive.end), None)
 
     def _kept_from(self, vehicle: Machine) -> float:
-        """Return the distance at which a person does not block the start of a vehicle (m)."""
+        """Return the distance (m) at which a person does not prevent a vehicle from starting."""
         zone = vehicle.zone(self._human.max_speed)
         return max(zone + SPARE - self._human.radius, SPARE)
 
 
 BESIDE = 1e-3
-"""Distance from the goal beyond which people have arrived beside another person, m."""
+"""Metres. People who arrive farther from their goal have arrived beside another person."""
 
 
 class Errand:
-    """Errand of a person to a goal, with replanning.
+    """Walk of a person to a goal around obstacles.
 
-    If a vehicle is on the goal, the person waits beside it. The percepts are `work_completed`,
-    `path_blocked`, `goal_blocked` and `goal_occupied`.
+    The person waits beside a goal that a vehicle occupies, and replans a blocked path. Percepts
+    report the outcome: `work_completed`, `path_blocked`, `goal_blocked` or `goal_occupied`.
     """
 
     def __init__(self, stage: Stage, walker: Walker, senses: Senses) -> None:
         self.visits: list[str] = []
-        """Stations where the person has arrived, in order."""
+        """Stations reached, in order."""
         self.escorts: Callable[[], bool] | None = None
-        """Returns whether an arrival counts, while the person follows another one."""
+        """Returns whether an arrival counts. Set while the person walks with or to another one."""
         self.refusal = ""
         """Reason of the last failure to find a path."""
         self._stage = stage
@@ -96,17 +96,17 @@ class Errand:
         self._waiting_places = WaitingPlaces(stage, walker.world, walker.human)
         self._waits_for: Point | None = None
         self._occupant: Machine | None = None
-        """Vehicle for which the person waits, or waited last."""
+        """Vehicle for which the person waits or last waited."""
         self._leaving = Alarm(stage.clock, self._look_again, Turn.MOTION_ENDS)
 
     def go(self, goal: Point) -> bool:
-        """Go to `goal`. Return whether there is a path to it, or to a position to wait."""
+        """Set out for `goal`. Return whether there is a path to it, or to a place to wait."""
         self._stage.place_machines()
         self._record(GoalChanged(person=self._name, station=self._station_at(goal), at=goal))
         return self._set_out(goal)
 
     def _set_out(self, goal: Point) -> bool:
-        """Walk to `goal`, or to a position to wait beside it. Return whether there is a path."""
+        """Walk to `goal`, or to a place to wait beside it. Return whether there is a path."""
         try:
             self._walker.go(goal)
         except PlanningError as why:
@@ -127,7 +127,7 @@ class Errand:
         self._waits_for = None
 
     def interrupt(self) -> Point | None:
-        """Stop, and return the goal for `go_on`, or None without one."""
+        """Stop, and return the goal for `go_on`, or None if the person is not walking to one."""
         goal = self._walker.goal
         if goal is None or self._waits_for is not None:
             return None
@@ -135,22 +135,19 @@ class Errand:
         return goal
 
     def go_on(self, goal: Point) -> None:
-        """Continue an interrupted errand."""
+        """Set out again for the goal of an interrupted errand."""
         self._stage.place_machines()
         self._set_out(goal)
 
     def fail(self, goal: Point, message: str, *, at_the_goal: bool = False) -> bool:
-        """Add a percept that there is no path to `goal`. Return False, the result of the action."""
+        """Perceive that there is no path to `goal`. Return False, the outcome of the action."""
         self.refusal = message
         self._record(PathBlocked(person=self._name, goal=goal, message=message))
         self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
         return False
 
     def floor_changed(self, came: Collection[str]) -> None:
-        """Check the path after a change of the floor.
-
-        `came` are the names of bodies that have just come to rest.
-        """
+        """Check the path after a change of the floor. `came` are the names of new obstacles."""
         if self._waits_for is not None:
             self._check_wait(self._waits_for, came)
             return
@@ -163,7 +160,7 @@ class Errand:
             self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
 
     def arrived(self, goal: Point) -> None:
-        """Handle the arrival at `goal`, or at the position to wait for it."""
+        """Handle the arrival at `goal`, or at the place to wait for it."""
         if self._waits_for is not None:
             self._senses.count("goal_occupied")
             return
@@ -179,7 +176,7 @@ class Errand:
         self._senses.count("work_completed")
 
     def _check_wait(self, goal: Point, came: Collection[str]) -> None:
-        """Go to `goal` if it is free now, otherwise wait."""
+        """Walk to `goal` if it is free now. Otherwise continue to wait."""
         occupant = self._waiting_places.occupant(goal)
         if occupant is None:
             self._waits_for = None
@@ -193,26 +190,26 @@ class Errand:
             self._wait_for(occupant)
 
     def _wait_for(self, occupant: Machine) -> None:
-        """Watch for the departure of a vehicle from the goal."""
+        """Wait for a vehicle, and update the alarm whenever the vehicle changes its motion."""
         self._occupant = occupant
         if self._occupant_moves not in occupant.body.on_change:
             occupant.body.on_change.append(self._occupant_moves)
         self._occupant_moves()
 
     def _occupant_moves(self) -> None:
-        """Set the alarm for the time at which the vehicle leaves the goal, if it is moving."""
+        """Set the alarm to the time at which the vehicle leaves the goal, if known."""
         goal, occupant = self._waits_for, self._occupant
         if goal is not None and occupant is not None:
             self._leaving.set(self._waiting_places.left(goal, occupant))
 
     def _look_again(self) -> None:
-        """Go to the goal that the vehicle has left."""
+        """Walk to the goal that the vehicle has left."""
         if self._waits_for is not None:
             self._stage.place_machines()
             self._check_wait(self._waits_for, ())
 
     def _wait_beside(self, goal: Point) -> bool:
-        """Wait beside a goal until the vehicle on it has left. Return False without a vehicle."""
+        """Wait near a goal until the vehicle on it has left. Return False if there is none."""
         self._waits_for = None
         occupant = self._waiting_places.occupant(goal)
         place = None if occupant is None else self._waiting_places.beside(goal, occupant)

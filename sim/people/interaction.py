@@ -1,10 +1,11 @@
-"""Interaction with another person: letting pass, following, and approaching."""
+"""Interaction with another person: letting pass, following, walking together, approaching."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from typing import NamedTuple
 
 from floorplan import Point
 from floorplan.files.problems import suggestion
@@ -19,37 +20,46 @@ from .errand import Errand
 from .walker import Walker
 
 AT_LEAST = 0.5
-"""Minimum time between two replans for another person, and minimum time to let a person pass, s."""
+"""Minimum time between two changes of course for another person, and of letting pass (s)."""
 
 BETWEEN = 0.4
-"""Distance between the bodies of two people who walk together, m."""
+"""Distance between the bodies of two people who walk together (m)."""
 
 TALKING = 0.7
-"""Distance between the bodies of two people after one has walked up to the other, m. It is within
-Hall's personal space of 1.2 m from centre to centre."""
+"""Distance between the bodies after an approach (m), within Hall's personal space of 1.2 m from
+centre to centre."""
 
 BEHIND = 0.6
-"""Distance between the bodies of a person and a follower, m."""
+"""Distance between the bodies of a person and a follower (m)."""
 
 NEARLY = 0.3
-"""Minimum change of a goal for which a person replans, m."""
+"""Metres. Smaller changes of the target place do not change the course."""
 
 SLOTS = ((0.0, -1.0), (0.0, 1.0), (-1.0, -0.5), (-1.0, 0.5))
-"""Places of companions relative to a person: rows ahead, and places to the left. Up to three walk
-abreast, as groups do if there is room (M. Moussaïd et al., "The walking behaviour of pedestrian
+"""Places of companions: rows ahead, and places to the left. Up to three people walk abreast, as
+groups do if there is room (M. Moussaïd et al., "The walking behaviour of pedestrian
 social groups and its impact on crowd dynamics", PLoS ONE 5, 2010)."""
 
 Aim = Callable[[Traveller], Point | None]
 
 
 class NobodyError(LookupError):
-    """There is no person of that name."""
+    """Error for the name of an unknown person."""
+
+
+class _Passing(NamedTuple):
+    """Person let pass, the goal afterwards, and the earliest and latest time to continue (s)."""
+
+    other: Traveller
+    goal: Point
+    earliest: float
+    latest: float
 
 
 class Interaction:
-    """Activity of a person that depends on another one: letting pass, following, approaching.
+    """Interaction of a person with another one, until the next action.
 
-    `slot` is the person's place among the companions of the other one, or None for the nearest.
+    `slot` is the place of the person in a group, or None outside groups.
     """
 
     def __init__(
@@ -68,17 +78,16 @@ class Interaction:
         self._slot = slot
         self._other: Traveller | None = None
         self._aim: Aim | None = None
-        self._known: set[Traveller] = set()
+        self._watched: set[Traveller] = set()
         self._moved_at = -math.inf
-        self._passing: tuple[Traveller, Point, float, float] | None = None
-        """Person to let pass, goal to continue to, and earliest and latest time for it (s)."""
+        self._passing: _Passing | None = None
         self._turning = Alarm(stage.clock, self._turn, Turn.NOTICE)
         self._going_on = Alarm(stage.clock, self._go_on, Turn.NOTICE)
 
     def find(self, who: str) -> Traveller | None:
-        """Return the other person of that name, or None while they are not on the floor.
+        """Return the other person called `who`, or None while that person is not on the floor.
 
-        `NobodyError` if there is no such person.
+        Raises `NobodyError` if there is no such person.
         """
         others = [one for one in self._stage.people if one.body is not self._walker.body]
         if not any(one.name == who for one in others):
@@ -95,23 +104,23 @@ class Interaction:
         return any(one.away for one in self._stage.people if one.body is other.body)
 
     def give_up(self) -> None:
-        """End the activity."""
+        """End the interaction."""
         self._other = self._aim = self._passing = None
         self._errand.escorts = None
         self._turning.set(None)
         self._going_on.set(None)
 
     def let_pass(self, other: Traveller) -> bool:
-        """Stop, and continue when `other` has passed, or after the patience of the person.
+        """Stop until `other` no longer approaches, at most for the patience of the person.
 
-        A stationary person does nothing.
+        A person without a goal stays.
         """
         goal = self._errand.interrupt()
         if goal is None:
             return True
         now = self._clock.now
         patience = self._walker.traveller.manners.patience
-        self._passing = (other, goal, now + AT_LEAST, now + max(patience, AT_LEAST))
+        self._passing = _Passing(other, goal, now + AT_LEAST, now + max(patience, AT_LEAST))
         self._watch(other)
         self._wait_for_passing()
         return True
@@ -128,10 +137,10 @@ class Interaction:
         return True
 
     def approach(self, other: Traveller) -> bool:
-        """Walk up to `other`, and follow while they walk. The arrival is that of an errand."""
+        """Walk up to `other`. The arrival counts when `other` is stationary."""
         return self._attend(other, self._up_to)
 
-    # Letting a person pass
+    # Letting another person pass
 
     def _wait_for_passing(self) -> None:
         if self._passing is None:
@@ -144,10 +153,10 @@ class Interaction:
 
     def _go_on(self) -> None:
         if self._passing is not None:
-            goal, self._passing = self._passing[1], None
+            goal, self._passing = self._passing.goal, None
             self._errand.go_on(goal)
 
-    # Following a person
+    # Walking with or to another person
 
     def _attend(self, other: Traveller, aim: Aim) -> bool:
         self._other, self._aim = other, aim
@@ -161,13 +170,13 @@ class Interaction:
         return True
 
     def _watch(self, other: Traveller) -> None:
-        if other not in self._known:
-            self._known.add(other)
+        if other not in self._watched:
+            self._watched.add(other)
             other.body.on_change.append(lambda: self._changed(other))
 
     def _changed(self, other: Traveller) -> None:
-        """Schedule the reaction to a new motion of `other`."""
-        if self._passing is not None and other is self._passing[0]:
+        """Schedule the reaction to a change of course of `other`."""
+        if self._passing is not None and other is self._passing.other:
             self._wait_for_passing()
         if other is self._other and self._is_away(other):
             self.give_up()
@@ -177,7 +186,7 @@ class Interaction:
             self._turning.set(max(self._clock.now, before + AT_LEAST))
 
     def _has_caught_up(self) -> bool:
-        """Return whether an arrival ends the activity: beside an approached person at rest."""
+        """Return whether an arrival ends the interaction: beside a stationary person."""
         other = self._other
         if other is None or self._aim != self._up_to:
             return other is None
@@ -189,7 +198,7 @@ class Interaction:
         return False
 
     def _turn(self) -> None:
-        """Replan to the present goal of the other person."""
+        """Follow a change of course of the other person."""
         other, aim = self._other, self._aim
         if other is None or aim is None or self._passing is not None:
             return
@@ -208,7 +217,7 @@ class Interaction:
             elif self._has_caught_up():
                 self._errand.arrived(self._walker.body.at)
 
-    # Places relative to a person
+    # Places relative to another person
 
     def _reach(self, other: Traveller, between: float) -> float:
         return self._walker.human.radius + other.radius + between
@@ -240,10 +249,10 @@ class Interaction:
     def _place(
         self, other: Traveller, ahead: float, left: float, row: float | None = None
     ) -> Point | None:
-        """Return the place `ahead` and to the `left` (m) of the rest position of `other`.
+        """Return the place `ahead` and to the `left` (m) of the position where `other` will stop.
 
         If a wall is between them, return the place on the path behind `other` (`row`, m), or the
-        nearest free position.
+        nearest free place.
         """
         (x, y), heading = _bound(other)
         c, s = math.cos(heading), math.sin(heading)
@@ -256,7 +265,7 @@ class Interaction:
 
 
 def _bound(other: Traveller) -> tuple[Point, float]:
-    """Return the rest position of a person's present motion, and the heading there (rad)."""
+    """Return the position and heading (rad) at the end of the current motion of a person."""
     motion = other.body.motion
     state = motion.state(motion.end)
     return state.at, state.position[2]

@@ -1,7 +1,7 @@
-"""Minds: a BDI agent or an external program that decides for a person, and its inspector.
+"""Minds: agents and external programs that decide for people, and the inspector of agents.
 
-They are those of Jason's mind inspector, which shows an agent at an instant; to keep them for every
-instant of a run, only the changes that a thought has made are recorded.
+The inspector shows the same as the mind inspector of Jason. It records only the changes made by
+each thought, so that the state at every time of a run can be restored.
 """
 
 from __future__ import annotations
@@ -26,38 +26,38 @@ from ..core.stage import Stage
 from .programs import Programs
 
 MOST_CYCLES = 200_000
-"""Number of reasoning cycles that a person may take at one instant; a handful is usual."""
+"""Maximum number of reasoning cycles of a person at one time. A few are usual."""
 
 KEPT = ("bound_for", "reversed")
-"""Beliefs that outlast a change of personality: the round they are on, as `patrol.asl` has it."""
+"""Beliefs kept after a change of personality: the state of the patrol in `patrol.asl`."""
 
 
 class Mind(Protocol):
-    """Interface of a mind to its person; `bdi.Agent` is one."""
+    """Interface of a mind to its person, implemented by `bdi.Agent`."""
 
     @property
     def next_wakeup(self) -> float | None:
-        """Instant at which it goes on without a new percept (seconds); None for never."""
+        """Time of the next activity without a new percept (s), or None."""
         ...
 
     def add_percept(self, percept: bdi.Literal) -> None:
-        """Perceive `percept` from the next `advance` on."""
+        """Add a percept at the next `advance`."""
         ...
 
     def remove_percept(self, percept: bdi.Literal) -> None:
-        """Perceive `percept` no longer from the next `advance` on."""
+        """Remove a percept at the next `advance`."""
         ...
 
     def advance(self, time: float) -> None:
-        """Think until there is nothing left to think about at `time` (seconds)."""
+        """Think until there is nothing left to do at `time` (s)."""
         ...
 
 
 class Outside:
-    """Mind outside the simulation.
+    """Mind outside the simulation, which decides by calls of `Person.act`.
 
-    The person's percepts wait here until a program takes them. The functions `on_decision` are
-    called when there are any, or at the time `wake_at`. The program calls the person's `act`.
+    Percepts are queued until the client takes them. The functions `on_decision` are called when
+    there are percepts, and at the time `wake_at` (s).
     """
 
     def __init__(self, called: Callable[[], None] = lambda: None) -> None:
@@ -67,15 +67,15 @@ class Outside:
 
     @property
     def next_wakeup(self) -> float | None:
-        """Instant at which it wants to be called without a percept (seconds); None for never."""
+        """Time of the next call without a percept (s), or None."""
         return self.wake_at
 
     def add_percept(self, percept: bdi.Literal) -> None:
-        """Keep `percept` until it is taken."""
+        """Queue a percept until the client takes it."""
         self._perceived.append(percept)
 
     def remove_percept(self, percept: bdi.Literal) -> None:
-        """Do nothing, because external programs receive only the begin of percepts."""
+        """Do nothing, because clients do not receive the end of percepts."""
 
     def advance(self, time: float) -> None:
         """Call `on_decision` if there is something to decide at `time` (seconds)."""
@@ -87,24 +87,24 @@ class Outside:
                 decides()
 
     def take(self) -> list[bdi.Literal]:
-        """Return the percepts since the last time, in their order."""
+        """Return the percepts since the last call, in order."""
         perceived, self._perceived = self._perceived, []
         return perceived
 
 
 class Mindless:
-    """Mind of a recorded person, without any decisions."""
+    """Mind of a recorded person, who ignores all percepts."""
 
     next_wakeup: float | None = None
 
     def add_percept(self, percept: bdi.Literal) -> None:
-        """Take no note of `percept`."""
+        """Ignore a percept."""
 
     def remove_percept(self, percept: bdi.Literal) -> None:
-        """Take no note of the end of `percept`."""
+        """Ignore the end of a percept."""
 
     def advance(self, time: float) -> None:
-        """Think nothing until `time` (seconds)."""
+        """Do nothing until `time` (s)."""
 
 
 def make_agent(
@@ -144,10 +144,11 @@ def make_agent(
 
 
 def live_beliefs(person: Body, stage: Stage) -> LiveBeliefs:
-    """Return live beliefs: where all are and how fast they move, whenever a program asks.
+    """Return live beliefs about the current positions (m) and speeds (m/s) of all bodies.
 
-    `me(X, Y, V)`, `person(Name, X, Y, V)` of the others, `gantry(X, Y, V)` where there is one,
-    `agv(Name, X, Y, V)` of vehicles, `machine(Name, Kind, X, Y, V)` of all machines: m and m/s.
+    They are `me(X, Y, V)`, `person(Name, X, Y, V)` for each other person, `gantry(X, Y, V)` for
+    each robot, `agv(Name, X, Y, V)` for each vehicle, and `machine(Name, Kind, X, Y, V)` for each
+    machine.
     """
 
     def of(body: Body) -> tuple[bdi.Term, ...]:
@@ -173,7 +174,7 @@ def live_beliefs(person: Body, stage: Stage) -> LiveBeliefs:
 
 
 def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
-    """Return the beliefs that a change of personality leaves: where the person is going."""
+    """Return the beliefs kept after a change of personality."""
     if not isinstance(mind, bdi.Agent):
         return []
     return [belief for belief in mind.beliefs if belief.functor in KEPT]
@@ -182,9 +183,9 @@ def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
 def first_beliefs(
     entry: PersonEntry, plan: Floorplan, rules: RuleSet, leader: PersonEntry | None = None
 ) -> list[bdi.Literal | str]:
-    """Return what a person believes before the trial starts: the stations, home, pauses, reactions.
+    """Return the initial beliefs of a person.
 
-    Also where they leave the floor, and whom they walk with.
+    They are about stations, home, exit, leader of the group, pauses and reactions.
     """
     beliefs: list[bdi.Literal | str] = [
         bdi.Literal("station", (as_term(station.name), *station.position))
@@ -216,11 +217,11 @@ def as_term(name: str) -> bdi.Term:
 
 _SOURCE = re.compile(r"\[source\((?:self|percept)\)\]")
 STEPS = ("percept", "plan", "action", "warning")
-"""Kinds of entries that are noted."""
+"""Kinds of recorded entries."""
 
 
 class MindInspector:
-    """Looks into one agent; `notify` takes a `Thought` whenever something has changed."""
+    """Inspector of one agent, which calls `notify` with each `Thought` that changes something."""
 
     def __init__(self, person: str, notify: Callable[[Thought], None]) -> None:
         self._person = person
@@ -230,13 +231,13 @@ class MindInspector:
         self._intended: list[dict[str, Any]] = []
 
     def note(self, entry: bdi.Entry) -> None:
-        """Take note of a step of the agent's reasoning, as its `on_event` reports it."""
+        """Record a reasoning step reported by `on_event` of the agent."""
         if entry.kind in STEPS:
             place = [f"{_base(entry.file)}:{entry.line}"] if entry.kind == "plan" else []
             self._steps.append([entry.kind, _plain(entry.text), *place])
 
     def look(self, t: float, agent: bdi.Agent) -> None:
-        """Notify of the changes that the agent's thought at `t` (seconds) has made."""
+        """Report the changes made by the thought at `t` (s)."""
         thought: Thought = {"t": t, "person": self._person}
         if self._steps:
             thought["steps"], self._steps = self._steps, []
@@ -261,7 +262,7 @@ def _intention(intention: Intention) -> dict[str, Any]:
 
 
 def _plain(text: str) -> str:
-    """Return the text without the sources that every belief has."""
+    """Return the text without the annotations `source(self)` and `source(percept)`."""
     return _SOURCE.sub("", text)
 
 

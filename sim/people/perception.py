@@ -23,64 +23,67 @@ from ..safety.proximity import NearnessMonitor, by_conditions
 from .minds import Mind, Outside, as_term
 
 Key = tuple[str, ...]
-"""Functor, and the name of the person whom the percept is about, if any."""
+"""Functor of a percept, and the name of the person it is about, if any."""
 
 
 class Percepts:
-    """Percepts of one agent. Only the latest of each functor, and of each other person, remains."""
+    """Percepts of one mind: the latest of each functor, or of each functor and person.
+
+    Older percepts are removed, so that the belief base stays small.
+    """
 
     def __init__(self, mind: Mind) -> None:
         self._mind = mind
         self._counts: dict[Key, int] = {}
         self._latest: dict[Key, bdi.Literal] = {}
-        self._unheard: set[Key] = set()
+        self._new: set[Key] = set()
 
     def see(self, functor: str, *arguments: float) -> None:
-        """Add `functor(arguments)`, and remove the previous percept of this functor."""
+        """Perceive `functor(arguments)` in place of the previous percept of this functor."""
         self._perceive((functor,), *map(float, arguments))
 
     def count(self, functor: str, *who: str) -> None:
-        """Add `functor(N)`, or `functor(Who, N)` about a person. N counts earlier ones."""
+        """Perceive `functor(N)` or `functor(Who, N)`, with N the number of previous ones."""
         key = (functor, *who)
         n = self._counts.get(key, 0)
         self._counts[key] = n + 1
         self._perceive(key, *map(as_term, who), float(n))
 
     def _perceive(self, key: Key, *arguments: bdi.Term) -> None:
-        """Replace the percept of this key."""
+        """Add a percept in place of the previous one with this key."""
         percept = bdi.Literal(key[0], arguments)
         before = self._latest.get(key)
         if before is not None:
             self._mind.remove_percept(before)
         self._latest[key] = percept
-        self._unheard.add(key)
+        self._new.add(key)
         self._mind.add_percept(percept)
 
     def heard(self) -> None:
-        """Mark all percepts as processed by the agent."""
-        self._unheard.clear()
+        """Forget which percepts are new, because the mind has thought about all of them."""
+        self._new.clear()
 
     def pass_on(self, mind: Mind) -> Percepts:
-        """Return the percepts of `mind`, which replaces the present agent.
+        """Return the percepts of `mind`, the successor of this mind.
 
-        It receives the present state, and the counted percepts that were not processed yet. Counts
-        continue.
+        It perceives the current state, and the counted events that this mind has not yet thought
+        about. The counts continue.
         """
         new = Percepts(mind)
         new._counts = self._counts
         for key, percept in self._latest.items():
-            if key not in self._counts or key in self._unheard:
+            if key not in self._counts or key in self._new:
                 new._latest[key] = percept
-                new._unheard.add(key)
+                new._new.add(key)
                 mind.add_percept(percept)
         return new
 
 
 class Senses:
-    """Percepts of a person, also after a change of the agent.
+    """Percepts of a person, for the current mind.
 
-    The agent reasons about new percepts at once, or after the time that `lag` returns (s), together
-    with all percepts of that time.
+    The mind thinks immediately after a percept, or after a `lag` (s). It then thinks about all
+    percepts of that interval together.
     """
 
     def __init__(
@@ -93,26 +96,26 @@ class Senses:
         self._thinking = Alarm(clock, think, Turn.THOUGHT)
 
     def belong_to(self, mind: Mind) -> None:
-        """Pass percepts to `mind` from now on, and those that the agent before did not process."""
+        """Pass percepts to `mind` from now on, and those that the previous mind has not handled."""
         before = self._percepts
         self._percepts = Percepts(mind) if before is None else before.pass_on(mind)
         self._thinking.set(self._clock.now)
 
     def count(self, functor: str, *who: str) -> None:
-        """Add a percept. See `Percepts.count`."""
+        """Perceive `functor(N)` or `functor(Who, N)`, counted from 0."""
         if self._percepts is not None:
             self._percepts.count(functor, *who)
             self._think_soon()
 
     def see(self, functor: str, *arguments: float) -> None:
-        """Add a percept. See `Percepts.see`."""
+        """Perceive `functor(arguments)` in place of the previous percept of this functor."""
         if self._percepts is not None:
             self._percepts.see(functor, *arguments)
             self._think_soon()
 
     @property
     def thinks_at(self) -> float:
-        """Time at which the agent will have processed all percepts, s."""
+        """Time (s) at which the mind will have thought about all percepts."""
         return self._clock.now if self._due is None else self._due
 
     def _think_soon(self) -> None:
@@ -124,31 +127,30 @@ class Senses:
         self.think_by(self._due)
 
     def heard(self) -> None:
-        """Mark all percepts as processed by the agent."""
+        """Forget which percepts are new, because the mind has thought about all of them."""
         self._due = None
         if self._percepts is not None:
             self._percepts.heard()
 
     def think_by(self, t: float) -> None:
-        """Schedule the next reasoning of the agent at `t` (s) at the latest."""
+        """Schedule a thought at `t` (s) or earlier."""
         t = max(t, self._clock.now)
         if self._thinking.time is None or t < self._thinking.time:
             self._thinking.set(t)
 
 
 EYE_LEVEL = 0.93
-"""Height of the eyes as a share of the stature: 1.63 m of 1.75 m, the median of men in DIN
-33402-2."""
+"""Eye height as a share of the stature: 1.63 m of 1.75 m, the median of men in DIN 33402-2."""
 
 
 class Vision:
-    """Field of view of a person, with the numbers of `noticing`."""
+    """Line of sight of one person to machines, with the drawn parameters of `noticing`."""
 
     def __init__(self, stage: Stage, body: Body, human: Human, noticing: NoticingEntry) -> None:
         degrees, delay = noticing.field_of_view, noticing.reaction_time
         assert isinstance(degrees, float | int | None) and isinstance(delay, float | int | None)
         self.reaction_time = 0.0 if delay is None else delay
-        """Time from seeing a machine until its percept, s."""
+        """Time between seeing and perceiving (s)."""
         self._half = math.pi if degrees is None else math.radians(degrees) / 2
         self._stage = stage
         self._body = body
@@ -160,7 +162,7 @@ class Vision:
     def see(self, machine: Machine) -> bool:
         """Return whether the axis or a corner of `machine` is visible now.
 
-        With occlusion, its bottom, its top or the middle between them must be visible there.
+        With occlusion, three heights of each are tested: bottom, middle and top.
         """
         if self._half >= math.pi and self._boundary is None:
             return True
@@ -193,7 +195,8 @@ class Vision:
         if self._boundary is None or math.dist(eye, point) == 0.0:
             return True
         line = LineString([eye, point])
-        # The edge of the floor hides all heights, except of a gantry that extends beyond it.
+        # The boundary of the floor hides all heights. It hides no points beyond it, which an
+        # overhanging gantry has.
         if self._boundary.covers(Point(point)) and not self._boundary.covers(line):
             return False
         hides = [
@@ -207,7 +210,7 @@ class Vision:
         )
 
     def _around(self, line: LineString, seen: Machine) -> Iterable[Obstacle]:
-        """Yield the obstacles and other machines that may be on the line."""
+        """Yield the obstacles on the line, and the machines other than `seen`."""
         for index in np.sort(self._tree.query(line, predicate="intersects")):
             yield self._fixed[int(index)]
         yield from self._stage.active_closures.values()
@@ -222,7 +225,7 @@ class Vision:
 
 
 def _spans(line: LineString, obstacle: Obstacle) -> list[tuple[float, float]]:
-    """Return the parts of a line over an obstacle, as shares of its length."""
+    """Return the parts of a line over an obstacle, as fractions of its length."""
     shared = shapely.intersection(line, obstacle.footprint)
     spans = []
     for part in shapely.get_parts(shared):
@@ -235,59 +238,60 @@ def _spans(line: LineString, obstacle: Obstacle) -> list[tuple[float, float]]:
 def _hidden(
     span: tuple[float, float], eye: float, height: float, bottom: float, top: float
 ) -> bool:
-    """Return whether a sight line from `eye` to `height` (m) meets an obstacle in this part."""
+    """Return whether a line of sight from height `eye` to `height` meets an obstacle in a part."""
+    # The line is straight, so its heights over the obstacle are between those at both ends.
     along = [eye + share * (height - eye) for share in span]
     return bottom < max(along) and min(along) < top
 
 
 NEAR = TooClose(FixedDistance(3.6))
-"""Condition of `person_near`: centres within 3.6 m, the end of Hall's social space."""
+"""People nearer than 3.6 m between centres count as near, the end of Hall's social space."""
 
 GONE = Apart(4.1)
-"""Condition of `person_gone`: centres 0.5 m farther apart."""
+"""People count as gone at 0.5 m more between centres."""
 
 NEARNESS = ("person_near", "person_gone")
-"""Percepts that need a monitor for each other person."""
+"""Percepts that need a monitor for every other person."""
 
 PERCEPTS = (*NEARNESS, "in_the_way", "gives_way", "wants_to_pass", "has_left")
 """Percepts about another person, `functor(Who, N)`."""
 
 
 class SocialPerception:
-    """Percepts about other people that the program of a person mentions, from the start on."""
+    """Percepts about other people from the start of a person, if the program mentions them."""
 
     def __init__(self, stage: Stage, body: Body, senses: Senses) -> None:
         self._stage = stage
         self._body = body
         self._senses = senses
-        self._heeded: frozenset[str] = frozenset()
+        self._relevant: frozenset[str] = frozenset()
         self._started = False
         self._watches: list[NearnessMonitor] = []
 
     def belong_to(self, mind: Mind) -> None:
-        """Select the percepts that the program of `mind` mentions, or all for an external agent."""
+        """Perceive what the program of `mind` mentions. A mind outside perceives everything."""
         if isinstance(mind, bdi.Agent):
-            self._heeded = mentioned(mind.program)
+            self._relevant = mentioned(mind.program)
         elif isinstance(mind, Outside):
-            self._heeded = frozenset(PERCEPTS)
-        self._look_round()
+            self._relevant = frozenset(PERCEPTS)
+        self._watch_others()
 
     def start(self) -> None:
-        """Begin to add percepts."""
+        """Begin to perceive at the start of the person."""
         self._started = True
-        self._look_round()
+        self._watch_others()
 
     def heeds(self, percept: str) -> bool:
-        """Return whether the program of the agent mentions a percept about another person."""
-        return percept in self._heeded
+        """Return whether the mind responds to a percept about another person."""
+        return percept in self._relevant
 
     def perceive(self, percept: str, who: str) -> None:
-        """Add a percept about another person, if the program of the agent mentions it."""
+        """Add a percept about `who` if the mind responds to it."""
         if self._started and self.heeds(percept):
             self._senses.count(percept, who)
 
-    def _look_round(self) -> None:
-        if self._started and not self._watches and self._heeded.intersection(NEARNESS):
+    def _watch_others(self) -> None:
+        if self._started and not self._watches and self._relevant.intersection(NEARNESS):
             self._watches = [
                 NearnessMonitor(
                     self._stage,

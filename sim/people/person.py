@@ -1,7 +1,7 @@
-"""A person: an agent with a body on the floor, drawn parameters and an entrance.
+"""A person: a mind and a body on the floor, with drawn parameters and an entrance.
 
-Beliefs meet geometry here. Events around a person become percepts (`Senses`), and the actions of
-the agent (`Actions`) become errands and motions (`Errand`, `Walker`).
+Events around a person become percepts (`Senses`). Actions of the mind (`Actions`) become errands
+and motions (`Errand`, `Walker`).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _Made = TypeVar("_Made", bound=Scenario)
 
 
 def with_figures(scenario: _Made) -> _Made:
-    """Return the scenario with a drawn number for each distribution of its people."""
+    """Return the scenario with numbers in place of the random parameters of people."""
     return scenario.with_people(lambda entry: _with_figures(entry, scenario.seed))
 
 
@@ -59,25 +59,25 @@ def _with_figures(entry: PersonEntry, seed: int) -> PersonEntry:
     if entry.noticing == ALL_ROUND:
         return entry
     figures: dict[str, Any] = {
-        name: drawn_figure(declared, seed, f"{name} {entry.name}")
+        name: drawn_figure(figure, seed, f"{name} {entry.name}")
         for name in ("field_of_view", "reaction_time")
-        for declared in [getattr(entry.noticing, name)]
-        if declared is not None
+        for figure in [getattr(entry.noticing, name)]
+        if figure is not None
     }
     return replace(entry, noticing=replace(entry.noticing, **figures))
 
 
 def speed_of(entry: PersonEntry, usual: float) -> float:
-    """Return the top speed (m/s) of an entry `with_figures`. `usual` is the value of the floor."""
+    """Return the top speed (m/s) of a person with drawn parameters, by default `usual`."""
     speed = usual if entry.max_speed is None else entry.max_speed
     assert not isinstance(speed, tuple | Duration)
     return speed
 
 
 def lag_of(entry: PersonEntry, seed: int) -> Callable[[], float] | None:
-    """Return a function that draws the next lag of a person's agent (s), or None without lags.
+    """Return a function that draws the next lag (s) of an agent, or None if there is none.
 
-    The lags depend only on the `seed` of the trial and on the name.
+    The lags depend only on the seed of the trial and the name.
     """
     lag = entry.agent_lag
     if lag is None:
@@ -87,13 +87,13 @@ def lag_of(entry: PersonEntry, seed: int) -> Callable[[], float] | None:
 
 
 LOOKS_AGAIN = 0.5
-"""Time between two attempts of a person to enter, s."""
+"""Seconds between checks for room at an entrance."""
 
 
 class Entrances:
     """Queues of people at entrances, first in, first out.
 
-    Only the first person of a queue looks for room.
+    Only the first person of a queue checks for room.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -101,9 +101,9 @@ class Entrances:
         self._queues: dict[Point, deque[tuple[float, Callable[[], bool]]]] = {}
 
     def join(self, place: Point, come_in: Callable[[], bool]) -> None:
-        """Join the queue at `place`. `come_in` is called in turn, and returns whether it succeeded.
+        """Queue at `place`. `come_in` is called when it is their turn, and returns its success.
 
-        The first of a queue tries at once, and again every `LOOKS_AGAIN` seconds.
+        It is called immediately, and every `LOOKS_AGAIN` seconds while they are the first.
         """
         queue = self._queues.setdefault(place, deque())
         queue.append((self._clock.now, come_in))
@@ -121,7 +121,7 @@ class Entrances:
             self._clock.call_at(self._next(queue, now), lambda: self._look(place), Turn.NOTICE)
 
     def _next(self, queue: deque[tuple[float, Callable[[], bool]]], now: float) -> float:
-        """Return the time of the next attempt of the first person, in steps from their last one."""
+        """Return the time (s) of the next check of the first person."""
         t, come_in = queue[0]
         while t < now:
             t += LOOKS_AGAIN
@@ -137,8 +137,8 @@ MOST_AT_ONCE = 1000
 class Surroundings:
     """Parts of a trial that all people share.
 
-    `make_mind` returns the agent of a person for an entry, which replaces the given one, if any.
-    `thought` is called after each thought, so that others receive its messages.
+    `make_mind` returns a mind for a person and an entry, the successor of another mind, if any.
+    `thought` is called after each thought, to deliver the messages that it sent.
     """
 
     stage: Stage
@@ -152,9 +152,9 @@ class Surroundings:
 
 
 class Person:
-    """One person of a stage, declared by `entry`. A recorded person follows `walk`.
+    """Person of a stage, as declared by `entry`. A recorded person follows `walk`.
 
-    `index` is the number among all people, and `slot` the place among the companions of a leader.
+    `index` is the number among all people, and `slot` the place in a group.
     """
 
     on_command: OnCommand | None = None
@@ -174,7 +174,7 @@ class Person:
     ) -> None:
         stage, crowd, seed = surroundings.stage, surroundings.crowd, surroundings.seed
         home = entry.home_on(stage.floorplan)
-        assert home is not None  # checks reject trials without a home
+        assert home is not None  # trials without a home are rejected
         self.name = entry.name
         self.personality = entry.personality_name
         self.started_at: float | None = None
@@ -183,7 +183,7 @@ class Person:
         self.stays: list[tuple[float, float]] = [] if enters_at else [(0.0, math.inf)]
         """Intervals on the floor, s. The last one is infinite until the person leaves."""
         self.is_awaited = enters_at is not None
-        """Whether the person is not on the floor at the start."""
+        """Whether they are absent at the start."""
         self._index = index
         self._seed = seed
         self._sink = entry.sink_on(stage.floorplan)
@@ -248,7 +248,7 @@ class Person:
         self._instant = (stage.clock.now, 0)
         self._make_mind = partial(surroundings.make_mind, self)
         self.mind = self._make_mind(entry, None)
-        """Agent that decides for the person."""
+        """Current mind."""
         self._senses.belong_to(self.mind)
         self._regard.belong_to(self.mind)
         for machine in stage.machines.values():
@@ -257,7 +257,7 @@ class Person:
             machine.look_out_for(self.body, human.max_speed)
 
     def begin(self) -> None:
-        """Schedule the start and the changes of personality."""
+        """Wait for the triggers of the start and of changes of personality."""
         triggers, entry = self._stage.triggers, self._entry
         if self.is_awaited:
             self._stage.record(Awaited(person=self.name, at=self._entrance))
@@ -271,7 +271,7 @@ class Person:
             triggers.add(change.when, become, who=self.name)
 
     def _enter(self) -> bool:
-        """Enter if there is room at the entrance. Return whether there was."""
+        """Come in if there is room at the entrance. Return whether they did."""
         self._stage.place_machines()
         entrance, radius, source = self._entrance, self.walker.human.radius, self._entry.source
         at = self._crowd.room(entrance, radius, self.walker.traveller, within=AT_THE_DOOR)
@@ -285,7 +285,7 @@ class Person:
         return True
 
     def _come_or_go(self, is_there: bool, at: Point | None = None) -> None:
-        """Record that the person enters or leaves the floor."""
+        """Enter or leave the floor."""
         now, kind = self._clock.now, Entered if is_there else Left
         if is_there:
             self.stays.append((now, math.inf))
@@ -295,23 +295,23 @@ class Person:
 
     @property
     def away(self) -> bool:
-        """Whether the person is not on the floor: not yet, or no longer."""
+        """Whether they are absent: not yet on the floor, or no longer."""
         return not self.stays or self.stays[-1][1] < math.inf
 
     @property
     def left_at(self) -> float | None:
-        """Time at which the person left the floor (s), or None unless they are gone now."""
+        """Time at which they left the floor (s). None if they have not, or have returned."""
         left = self.stays[-1][1] if self.stays else math.inf
         return None if left == math.inf else left
 
     def _arrived(self, goal: Point) -> None:
-        """Finish the errand. A person who has arrived at their sink leaves the floor."""
+        """Handle the arrival at a goal. At the sink, leave the floor."""
         self._errand.arrived(goal)
         if self._sink is not None and goal == self._sink:
             self._leave()
 
     def _leave(self) -> None:
-        """Leave the floor if the person is at the sink, as soon as the door there is open."""
+        """Leave the floor if they are at the sink and its door is open."""
         at, sink = self.body.at, self._sink
         if sink is None or self.away or math.dist(at, sink) > AT_THE_DOOR:
             return
@@ -329,7 +329,7 @@ class Person:
 
     @property
     def reaction_time(self) -> float:
-        """Time from seeing a machine until its percept, s."""
+        """Time between seeing and perceiving (s)."""
         return 0.0 if self._eyes is None else self._eyes.reaction_time
 
     def sees(self, machine: Machine) -> bool:
@@ -343,20 +343,21 @@ class Person:
 
     @property
     def is_recorded(self) -> bool:
-        """Whether the person follows a recorded walk."""
+        """Whether they follow a recorded walk."""
         return self._playback is not None
 
     @property
     def visits(self) -> list[str]:
-        """Stations where the person has arrived, in order."""
+        """Stations reached, in order."""
         return self._errand.visits
 
     def change_personality(self, personality: str | Path | bdi.Program) -> None:
-        """Replace the program now, by a name, an .asl file or a program.
+        """Run another program from now on, given by name, as an .asl file or as a program.
 
-        The person drops the current errand and stops. The new agent has the beliefs of every agent
-        at the start, and the goal of the person. Counts of percepts continue. `TrialError` or
-        `bdi.ProgramError` if there is no such program, `ValueError` if the person is external.
+        The current errand ends, and the person stands until the new mind acts. The new mind has the
+        initial beliefs, and those about the patrol. Percepts continue to be counted. Raises
+        `TrialError` or `bdi.ProgramError` if there is no such program, and `ValueError` if the
+        person has no agent.
         """
         if not isinstance(self.mind, bdi.Agent):
             raise UserError(f"{self.name} is controlled from outside")
@@ -376,7 +377,7 @@ class Person:
         self._regard.belong_to(self.mind)
 
     def give_up(self) -> None:
-        """Drop the current errand and the task."""
+        """End the errand and the interaction, and give the task back."""
         self._errand.give_up()
         self._attention.give_up()
         if self.worker is not None:
@@ -384,18 +385,18 @@ class Person:
 
     @property
     def beliefs(self) -> LiveBeliefs:
-        """Live beliefs about work, if there is any, and `waits_for(Who)` about the next blocker."""
-        work = {} if self.worker is None else self.worker.beliefs()
+        """Live beliefs about work, and `waits_for(Who)` about the person who blocks the way."""
+        about_work = {} if self.worker is None else self.worker.beliefs()
 
         def waits_for() -> list[tuple[bdi.Term, ...]]:
             who = self._crowd.waits_for(self.walker.traveller)
             return [] if who is None else [(as_term(who),)]
 
-        return {**work, ("waits_for", 1): waits_for}
+        return {**about_work, ("waits_for", 1): waits_for}
 
     @commands
     def start(self) -> None:
-        """Start the person unless they have started."""
+        """Start, unless they have started before."""
         if self.started_at is None:
             self.started_at = self._clock.now
             self._stage.record(HumanStarted(person=self.name))
@@ -408,10 +409,10 @@ class Person:
             self._regard.start()
 
     def warn(self, percept: str, machine: Machine) -> None:
-        """Add `percept`, a warning of the referee about `machine`.
+        """Perceive `percept`, the warning of the referee about `machine`.
 
-        After a violation the person must go home. That is enforced after the agent has reasoned
-        about the percept (`Turn.INSISTENCE`).
+        After a violation the person is put home (`Turn.INSISTENCE`), unless the mind has done so
+        in its next thought.
         """
         is_robot = machine.shape.category == "robot"
         if is_robot:
@@ -423,22 +424,22 @@ class Person:
             self._enforcing.set(self._senses.thinks_at)
 
     def heeds(self, percept: str) -> bool:
-        """See `SocialPerception.heeds`."""
+        """Return whether the mind responds to a percept about another person."""
         return self._regard.heeds(percept)
 
     def perceive(self, percept: str, who: str) -> None:
-        """See `SocialPerception.perceive`."""
+        """Add a percept about another person if the mind responds to it."""
         self._regard.perceive(percept, who)
 
     def floor_changed(self, came: Collection[str]) -> None:
-        """Check the path after a change of the floor. See `Errand.floor_changed`."""
+        """Check the path after a change of the floor. `came` are the names of new obstacles."""
         self._errand.floor_changed(came)
 
     @commands
     def act(self, action: bdi.Literal) -> bool | bdi.Refused:
-        """Carry out an external action of the agent. Return True, or a failure with its reason.
+        """Carry out an external action of the agent. Return True, or False or the reason.
 
-        A `MindError` for an invalid action contains its place in the program.
+        Raises `MindError`, with the location in the program, if the action is invalid.
         """
         try:
             self._count_at_once()
@@ -452,7 +453,7 @@ class Person:
             raise
 
     def send(self, to: Point) -> bool:
-        """Walk to a position, or near it. Return whether the person starts to walk.
+        """Walk to a place or near it. Return whether they set out.
 
         Recorded people, and people who are absent or have not started, never do.
         """
@@ -461,7 +462,7 @@ class Person:
 
     @property
     def put_home_at(self) -> float | None:
-        """Time at which the person was last put home, s."""
+        """Time of the last teleport home (s), or None."""
         return self._actions.put_home_at
 
     @commands
@@ -478,7 +479,7 @@ class Person:
         return self._referee.penalise(self)
 
     def wake(self) -> None:
-        """Wake the agent if a message has added an event to its queue."""
+        """Schedule the next activity of the mind, for example after a message."""
         if self.mind.next_wakeup is not None:
             self._senses.think_by(self.mind.next_wakeup)
 

@@ -35,34 +35,34 @@ from .tracks.recorded_walks import RecordedWalk, with_places
 from .work import WorkBoard
 
 MOST_PATHS = 256
-"""Number of cached paths per radius. Patrols request the same paths again and again."""
+"""Number of cached paths per planner. Patrols repeat the same queries."""
 
 GROUP_PACE = 0.85
-"""Speed of a group as a share of the top speed of its slowest member, so that members who have
-fallen behind can catch up."""
+"""Speed of a group as a share of the lowest top speed, so that people who fall behind can catch
+up."""
 
 SEEDS = 2**32 - 1
 """Number of different seeds of OMPL."""
 
 
 class _Society(bdi.Society):
-    """Society of agents that records the receivers of messages."""
+    """Society of the minds, which records the receivers of messages during a thought."""
 
     def __init__(self) -> None:
         super().__init__()
         self.spoken_to: set[str] = set()
 
     def deliver(self, name: str, message: bdi.Message) -> None:
-        """Deliver `message` to the agent `name`, or raise an `ActionError` if there is none."""
+        """Deliver `message` to the mind called `name`. Raises `ActionError` if there is none."""
         super().deliver(name, message)
         self.spoken_to.add(name)
 
 
 class Population:
-    """People of a scenario on a stage. People of one radius share a planner.
+    """People of a scenario on a stage, with the planners and the society that they share.
 
-    `walks` are the recorded walks by name. `thoughts` are recorded, and passed to `listener`, if it
-    `wants_thoughts`.
+    Recorded people follow their `walks`, by name. Thoughts are collected in `thoughts` and passed
+    to `listener` if it `wants_thoughts`.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Population:
         self._society = _Society()
         self._inspectors: dict[str, MindInspector] = {}
         self._attentive: list[Person] | None = None
-        """People whose programs mention `has_left`, computed at its first use."""
+        """People whose minds respond to `has_left`. Computed when the first person leaves."""
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
         self.people: list[Person] = []
@@ -122,10 +122,10 @@ class Population:
             self.people.append(person)
         self._named = {person.name: person for person in self.people}
         self.distancing: Distancing | None = None
-        """Monitor of the distance between people, if the rules have one."""
+        """Monitor of the distances between people, if the rules require one."""
 
     def begin(self) -> None:
-        """Schedule the starts of people and their work."""
+        """Schedule the starts of people and the appearance of work."""
         if self._crowd.is_shared:
             self._stage.triggers.each("met", self._perceive_meeting)
             self._stage.triggers.each("gave_way", self._perceive_request)
@@ -155,17 +155,17 @@ class Population:
 
     @property
     def deadlocks(self) -> int:
-        """Number of times that no person with a goal could continue."""
+        """Number of times that no walking person could continue because of the others."""
         return self._crowd.deadlocks
 
     def _planner(self, person: str, radius: float, choice: PlannerChoice) -> PathPlanner:
-        """Return the planner that all people of this radius and choice of planner share."""
+        """Return the planner shared by people of the same radius, world and choice of planner."""
         world = self._stage.world_of(person)
         planner = self._planners.get((world, radius, choice))
         if planner is None:
             stage, seed = self._stage, self._scenario.seed % SEEDS
-            chosen = find_planner(choice, stage.code_folder)
-            planner = PathPlanner(world, radius, planner=chosen, seed=seed, keep=MOST_PATHS)
+            loaded = find_planner(choice, stage.code_folder)
+            planner = PathPlanner(world, radius, planner=loaded, seed=seed, keep=MOST_PATHS)
             self._planners[world, radius, choice] = planner
         return planner
 
@@ -199,7 +199,7 @@ class Population:
         self._listener.thought(thought)
 
     def _thought(self, person: Person) -> None:
-        """Record the changes of a thought, and wake the receivers of its messages."""
+        """Record the changes made by a thought, and wake the receivers of its messages."""
         inspector = self._inspectors.get(person.name)
         if inspector is not None and isinstance(person.mind, bdi.Agent):
             inspector.look(rounded(self._stage.clock.now), person.mind)
@@ -212,7 +212,7 @@ class Population:
                 listener.wake()
 
     def _note(self, person: str, entry: bdi.Entry) -> None:
-        """Pass an entry to the inspector, and record it if it is a warning."""
+        """Pass an entry to the inspector, and record warnings."""
         if person in self._inspectors:
             self._inspectors[person].note(entry)
         if entry.kind == "warning":
@@ -221,7 +221,7 @@ class Population:
 
 
 def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
-    """Return the place of a person among the companions of their leader, or None."""
+    """Return the place of a person in a group, or None."""
     leader = scenario.leader(entry)
     if leader is None:
         return None
@@ -229,16 +229,16 @@ def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
 
 
 def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -> Human:
-    """Return the dimensions and limits of a person: of the entry, or otherwise of the floor.
+    """Return the measures of a person, by default `usual`.
 
-    Machines must expect the top speed of a recorded `walk`, which may be higher.
+    The top speed is at least that of a recorded `walk`, because machines rely on it.
     """
-    own = {
+    measures = {
         name: getattr(entry, name)
         for name in ("radius", "max_speed", "max_acceleration")
         if getattr(entry, name) is not None
     }
-    human = replace(usual, **own) if own else usual
+    human = replace(usual, **measures) if measures else usual
     if walk is None:
         return human
     return replace(human, max_speed=max(human.max_speed, walk.top_speed))

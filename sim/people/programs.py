@@ -1,4 +1,4 @@
-"""Programs, internal actions and planners of people: find, load, and name them."""
+"""Programs, internal actions and planners of people: finding, loading and naming them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from ..core.scenario import PersonEntry, Scenario, TrialError
 
 
 def _registered(definition: Definition) -> list[str]:
-    """Return the names under which the decorators of a function register it."""
+    """Return the names under which decorators register a function."""
     if not isinstance(definition, ast.FunctionDef):
         return []
     return [
@@ -53,22 +53,22 @@ ACTIONS = Kind(
     words='function with @actions.add("name") or @actions.function("name"), as own actions are',
     accepts=callable,
 )
-"""The kind of module that a program of a person may use."""
+"""Kind of modules with internal actions for programs of people."""
 
 
 def modules_of(of_person: str | None, of_trial: str | None) -> tuple[str, ...]:
-    """Return the modules with actions of the trial and of a person. The latter take precedence."""
+    """Return the modules with actions of a trial and a person, in this order."""
     return tuple(dict.fromkeys(name for name in (of_trial, of_person) if name is not None))
 
 
 def sources_of(
     personality: str | bdi.Program | Path, modules: Sequence[str], folder: CodeFolder
 ) -> list[CustomCode]:
-    """Return the modules with the actions that a person's program may use, without an import.
+    """Return the modules with actions for the program of a person, without importing them.
 
-    They are `modules` in `folder`, and the modules beside a program `NAME/NAME.asl`. Later actions
-    replace earlier ones of the same name.
-    `OwnCodeError` if one is missing, or if custom code is not allowed.
+    They are `modules` in `folder`, and the modules beside a program `NAME/NAME.asl`. If two actions
+    have the same name, the later one counts. Raises `OwnCodeError` if a module is missing or custom
+    code is not allowed.
     """
     sources = [folder.find_module(module, ACTIONS) for module in modules]
     for source in sources:
@@ -90,9 +90,9 @@ def names_of(sources: Sequence[CustomCode]) -> frozenset[str]:
 
 
 def import_actions(sources: Sequence[CustomCode]) -> bdi.InternalActions:
-    """Import some modules, and return their actions and functions.
+    """Import modules and return their actions and functions.
 
-    `OwnCodeError` if that fails.
+    Raises `OwnCodeError` if that fails.
     """
     actions = bdi.InternalActions()
     for source in sources:
@@ -118,16 +118,13 @@ def _names_in(source: CustomCode) -> list[str]:
 
 
 EXTERNAL = "external"
-"""Personality of people who are controlled by an external program, and controller of such a
-gantry."""
+"""Personality of a person, or controller of a gantry, commanded from outside."""
 
 
 def find_program(personality: str, folder: Path) -> str | Path:
-    """Return the name of a built-in personality, or the path of an .asl file relative to `folder`.
+    """Return the name of a built-in personality, or the path of an .asl file in `folder`.
 
-    A folder NAME is short for the program NAME/NAME.asl.
-
-    A `TrialError` lists the available personalities.
+    A folder NAME contains the program NAME/NAME.asl. Raises `TrialError` with the existing names.
     """
     if personality in bdi.programs():
         return personality
@@ -137,9 +134,9 @@ def find_program(personality: str, folder: Path) -> str | Path:
     if is_file(path):
         return path
     beside = sorted(path.parent.glob("*.asl")) if is_there(path.parent) else ()
-    known = (*bdi.programs(), EXTERNAL, *(one.name for one in beside))
+    names = (*bdi.programs(), EXTERNAL, *(one.name for one in beside))
     message = f"no personality and no .asl file is called {personality!r};"
-    raise TrialError("personality", [Problem(f"{message} {suggestion(path.name, known)}")])
+    raise TrialError("personality", [Problem(f"{message} {suggestion(path.name, names)}")])
 
 
 def load_program(
@@ -149,8 +146,8 @@ def load_program(
 ) -> bdi.Program | None:
     """Return the program of a personality, or None for `EXTERNAL`.
 
-    It may use the internal actions in `modules`, which are not imported here.
-    Raises the errors of `find_program` and `sources_of`, and `bdi.ProgramError`.
+    It may use the internal actions in `modules`, which are not imported. Raises the errors of
+    `find_program` and `sources_of`, and `bdi.ProgramError`.
     """
     if personality == EXTERNAL:
         return None
@@ -161,7 +158,7 @@ def load_program(
 
 
 def in_group(program: bdi.Program) -> bdi.Program:
-    """Return the program of a follower. The plans of a group precede those of `program`."""
+    """Return a program preceded by the program of groups."""
     group = bdi.load("group")
     return replace(
         program,
@@ -171,9 +168,10 @@ def in_group(program: bdi.Program) -> bdi.Program:
 
 
 class Programs:
-    """Programs of the people of a scenario. Each is loaded once.
+    """Programs of the people of a scenario, each loaded once.
 
-    The methods raise the errors of `load_program`, and `OwnCodeError` if an import fails.
+    The methods raise the errors of `load_program`, and `OwnCodeError` if the import of actions
+    fails.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -181,15 +179,15 @@ class Programs:
         self._load = cache(self._loaded)
 
     def of(self, entry: PersonEntry) -> tuple[bdi.Program, bdi.InternalActions | None]:
-        """Return the program of a person, and its custom actions, if any.
+        """Return the program of a person and its custom actions.
 
-        `ValueError` for a person without a program.
+        Raises `ValueError` for a person without a program.
         """
         is_led = self._scenario.leader(entry) is not None
         return self._load(entry.personality, entry.actions, is_led)
 
     def with_changes(self, entry: PersonEntry) -> PersonEntry:
-        """Return the person with the loaded programs of later personalities."""
+        """Return the person with programs in place of the names of later personalities."""
         if not entry.changes:
             return entry
         changes = [
@@ -211,9 +209,9 @@ class Programs:
 
 
 def written_personality(personality: str | bdi.Program, folder: Path) -> str:
-    """Return the name of a personality, relative to `folder`.
+    """Return the name of a personality relative to `folder`.
 
-    `ValueError` if it is a program without a file, or if the file has changed.
+    Raises `ValueError` if it is a program without a file, or if the file has changed since.
     """
     if isinstance(personality, str):
         return personality
@@ -226,10 +224,10 @@ def written_personality(personality: str | bdi.Program, folder: Path) -> str:
 
 @lru_cache(maxsize=1024)
 def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
-    """Raise the errors that an agent of the program would raise at its start.
+    """Reject a program that cannot start, for example because of unknown internal actions.
 
-    The result is cached, because a study loads the same programs for each row. `own` are the names
-    of custom actions.
+    `own` are the names of custom actions. The check is cached, because it takes as long as the
+    construction of an agent.
     """
     actions = bdi.InternalActions({name: InternalAction(lambda call, *a: True) for name in own})
     actions.functions.update(dict.fromkeys(own, lambda *numbers: 0.0))
@@ -245,11 +243,11 @@ PLANNER = Kind(
     accepts=lambda value: inspect.isclass(value) and issubclass(value, ob.Planner),
     error=PlannerError,
 )
-"""The kind of class that a trial names as a planner."""
+"""Kind of classes of custom planners."""
 
 
 def planner_of(entry: PersonEntry, scenario: Scenario) -> PlannerChoice:
-    """Return the planner of a person, which is by default that of the trial."""
+    """Return the planner of a person, by default that of the trial."""
     return scenario.planner if entry.planner is None else entry.planner
 
 
@@ -261,18 +259,18 @@ def with_planner(scenario: _Made, planner: PlannerChoice | str) -> _Made:
 
 
 def find_planner(choice: PlannerChoice, folder: CodeFolder) -> PlannerChoice:
-    """Return `choice` after the import of a custom planner in `folder`.
+    """Return `choice` with the class of a custom planner, imported from `folder`.
 
-    `PlannerError` if it is missing.
+    Raises `PlannerError` if it is missing.
     """
     source = planner_source(choice, folder)
     return choice if source is None else _checked(replace(choice, kind=source.load()))
 
 
 def planner_source(choice: PlannerChoice, folder: CodeFolder) -> CustomCode | None:
-    """Return the source of a custom planner without an import, or None for others.
+    """Return the source of a custom planner without importing it, or None for other planners.
 
-    `PlannerError` if it is missing, or if it has unknown parameters.
+    Raises `PlannerError` if it is missing, or if it has parameters that planners do not have.
     """
     _checked(choice)
     if not choice.is_own or choice.kind is not None:

@@ -1,4 +1,4 @@
-"""A body that walks to a goal around the present obstacles."""
+"""Walks of a person from the current position to a goal, around the current obstacles."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ from .crowd.traveller import Traveller
 from .crowd.vehicles import TOUCH, among_vehicles, any_moves
 
 LEEWAY = 0.05
-"""Additional distance to vehicles, because people also adapt their course to others, m."""
+"""Metres. Additional distance from vehicles, to adapt the course to other people."""
 
 SLOWER = 10.0
-"""Maximum duration of a walk beyond that at top speed, s."""
+"""Maximum additional duration (s) of a walk compared with its length at top speed."""
 
 
 class Walker:
-    """Walking of one person along planned paths, among the other people of the `crowd`.
+    """Walks of one person along planned paths, as other people and moving vehicles allow.
 
-    `arrived(goal)` is called on arrival, and `blocked` when others have blocked the person for too
-    long. `late(goal)` is called after a wait for a vehicle, if the person was moved meanwhile.
+    `arrived(goal)` is called at each goal, and `blocked` after others have blocked the person for
+    too long. `late(goal)` is called after a wait for a vehicle, if the person was moved meanwhile.
     """
 
     def __init__(
@@ -76,20 +76,20 @@ class Walker:
 
     @property
     def world(self) -> CollisionWorld:
-        """World of the person, in which their forbidden zones are closed."""
+        """World of the planner, in which the zones forbidden to the person are closed."""
         return self._planner.world
 
     @property
     def heading(self) -> float:
-        """Present heading of the person, rad."""
+        """Current heading (rad)."""
         return self.body.state.position[2]
 
     def prepare(self) -> None:
-        """Precompute the planner's data for the first path."""
+        """Compute in advance what the first path needs."""
         self._planner.prepare()
 
     def go(self, goal: Point) -> None:
-        """Walk to `goal` from now on. A `PlanningError` changes nothing."""
+        """Walk to `goal`. Raises `PlanningError`, without any change, if there is no path."""
         points = self._path(self.body.at, goal)
         self.goal = goal
         self._setting_out.set(None)
@@ -103,7 +103,7 @@ class Walker:
         self._step_out_of_closures()
 
     def _follow_passage(self, passage: Passage, top: float) -> None:
-        """Walk past a vehicle, with the wait of the passage, if any."""
+        """Walk past a vehicle, with a wait for it if that is quickest."""
         points, self._onward = [*map(tuple, passage.path.points.tolist())], []
         now, delay = self._clock.now, 0.0
         if passage.waits:
@@ -118,30 +118,30 @@ class Walker:
             self._wait_here()
 
     def _wait_here(self) -> None:
-        """Stop until the vehicle has passed."""
+        """Stand until the vehicle has passed."""
         self._crowd.rest(self.traveller)
         self._setting_out.set(max(self._goes_on_at, self._clock.now))
 
     def _passage_from_rest(self, goal: Point, points: list[Point], top: float) -> Passage | None:
-        """Return the passage of a stationary person past vehicles, or None without a need."""
+        """Return the passage of a standing person among vehicles, or None if no vehicle matters."""
         now, acceleration = self._clock.now, self.human.max_acceleration
         if self.body.motion.end > now:
             return None
         length = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
         if not any_moves(self._stage, now + length / top + SLOWER):
             return None
-        if self.traveller.zones.along(points, top)[1] != top:  # `plan_among` has one top speed
+        if self.traveller.zones.along(points, top)[1] != top:  # slower than the search assumes
             return None
         try:
             motion = walk(points, now, max_speed=top, max_acceleration=acceleration)
-        except ValueError:  # the person is at the goal
+        except ValueError:  # no distance to walk
             return None
         return among_vehicles(
             self._stage, self._planner, self.human, self.body, goal, motion, top, TOUCH + LEEWAY
         )
 
     def _go_on(self) -> None:
-        """Continue on the path after a wait. Replan if the person was moved."""
+        """Continue on the path after a wait. Report `late` if the person was moved."""
         goal, onward = self._bound_for(), self._onward
         if self.body.at == onward[0]:
             top = self.human.max_speed * self.speed_share
@@ -160,7 +160,7 @@ class Walker:
         self._step_out_of_closures()
 
     def turn_to(self, point: Point) -> None:
-        """Brake to a standstill, and turn to `point`."""
+        """Brake, and turn to `point`."""
         braking = self.braking()
         self._forget_goal()
         x, y = braking.state(braking.end).at
@@ -169,12 +169,12 @@ class Walker:
         self._step_out_of_closures()
 
     def put(self, at: Point, heading: float) -> None:
-        """Move the person to `at` at once, stationary."""
+        """Move the person to `at` instantly, standing."""
         self._forget_goal()
         self.body.follow(standing(at, heading=heading, start=self._clock.now))
 
     def halt_if_blocked(self) -> bool:
-        """Stop if the motion is no longer free. Return whether it is."""
+        """Stop before an obstacle if the motion is no longer free. Return whether it was free."""
         is_free = self._is_clear(self.body.motion)
         if not is_free and not self._crowd.is_empty:
             self._crowd.halt(self.traveller, self._is_clear)
@@ -182,13 +182,13 @@ class Walker:
 
     @property
     def _end(self) -> Point:
-        """Rest position of the present motion."""
+        """Position at the end of the current motion."""
         return self.body.motion.state(self.body.motion.end).at
 
     def check_path(self, came: Collection[str]) -> PlanningError | None:
-        """Replan if the path is no longer free. If there is no path, stop and return the reason.
+        """Replan if the path is no longer free. Without any path, stop and return the reason.
 
-        `came` are the names of bodies that have just come to rest.
+        `came` are the names of new obstacles.
         """
         if self.traveller.recorded:
             return None
@@ -197,7 +197,7 @@ class Walker:
         if self.goal is None:
             self._step_out_of_closures()
             return None
-        # The crowd's route does not include the path after a wait.
+        # During a wait the rest of the path is not part of the route in the crowd.
         paths = self.traveller.route, self._onward
         if is_free and all(map(self._is_free, paths)) and not self._is_cut_off(end, came):
             return None
@@ -216,13 +216,13 @@ class Walker:
         return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
 
     def _is_clear(self, motion: Motion) -> bool:
-        """Return whether the rest of a motion is free."""
+        """Return whether a motion is free of obstacles from now on."""
         return self._is_free(remaining_path(motion, self._clock.now))
 
     def _step_out_of_closures(self) -> None:
-        """Walk to the nearest free position if the motion ends in a closed door or obstacle.
+        """Walk to the nearest free place if the motion ends in a closed door or area.
 
-        People do not foresee its closing, so they may be too near to stop before it.
+        People may be too near to stop in front of a door that closes.
         """
         if not self._stage.active_closures:
             return
@@ -238,9 +238,9 @@ class Walker:
             self._crowd.set_out(self.traveller, place, [place], self.human.max_speed)
 
     def _is_cut_off(self, end: Point, came: Collection[str]) -> bool:
-        """Return whether a body in `came` closes the segment from `end` of the motion to the route.
+        """Return whether a new obstacle blocks the leg from the `end` of the motion to the route.
 
-        People may stop beside their route behind bodies that were there before.
+        Older obstacles do not count, because people in a crowd stop beside their route.
         """
         return any(
             body.name in came
@@ -262,18 +262,18 @@ class Walker:
         return [*map(tuple, path.points.tolist())]
 
     def _step_out(self, start: Point, goal: Point, blocked: PlanningError) -> list[Point]:
-        """Return a path to `goal` from the nearest position beside the body on `start`."""
+        """Return a path to `goal` from the nearest free place beside `start`."""
         failed: list[PlanningError] = []
         for place in self.world.exits(start, self.human.radius):
             try:
                 return [*map(tuple, self._planner.plan(place, goal).points.tolist())]
             except PlanningError as why:
                 failed.append(why)
-        # The reason at the nearest exit says more than that the start is blocked.
+        # The first failure says more than that the start is blocked.
         raise (failed or [blocked])[0]
 
     def braking(self) -> Motion:
-        """Return the motion that `stop` would make now."""
+        """Return the motion of `stop` from now on."""
         return self._crowd.braking(self.traveller)
 
     def _forget_goal(self) -> None:
@@ -283,7 +283,7 @@ class Walker:
         self._crowd.rest(self.traveller)
 
     def _arrive(self) -> None:
-        if self.goal is None:  # the person has left a closed place
+        if self.goal is None:  # the person has stepped out of a closed area
             self._crowd.rest(self.traveller)
             self._step_out_of_closures()
             return
@@ -296,12 +296,12 @@ class Walker:
 
 
 def _parted(points: list[Point], place: Point) -> tuple[list[Point], list[Point]]:
-    """Return the parts of a path before and after `place` on it."""
+    """Return a path up to `place` on it, and from there to the end."""
     if place in points:
         k = points.index(place)
         return points[: k + 1], points[k:]
     pairs = [*itertools.pairwise(points)]
-    # With rounding, the place is on the segment that it lengthens least.
+    # The place is on the leg whose length it changes least. The lengths are equal up to rounding.
     beside = [math.dist(a, place) + math.dist(place, b) - math.dist(a, b) for a, b in pairs]
     k = beside.index(min(beside))
     return [*points[: k + 1], place], [place, *points[k + 1 :]]

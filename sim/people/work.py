@@ -1,4 +1,4 @@
-"""Work of people: the task board of a trial, and a person's tasks, shifts and breaks."""
+"""Work of people: the board of tasks of a trial, and the tasks, shifts and breaks of a person."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ Call = Callable[[], None]
 
 @dataclass(eq=False)
 class Ticket:
-    """One task to be done once. `id` counts all tickets of the trial.
+    """One execution of a task. `id` counts all tickets of the trial.
 
     `number` is the number of the task on its list, negative for breaks. `left` is the remaining
-    time at the normal pace (s), and `begun` the time at which a person first started it (s).
+    time at the usual pace (s), and `begun` the time at which work on it first began (s).
     """
 
     id: int
@@ -53,18 +53,17 @@ class Ticket:
 
     @property
     def urgency(self) -> tuple[bool, int, float]:
-        """Sort key: breaks, then by priority, then the oldest first."""
+        """Sort key: breaks first, then by priority, then by age."""
         return (not self.is_break, -self.task.priority, self.since)
 
 
 class WorkBoard:
-    """Tickets of a scenario, on shared lists and on a list of each person.
+    """Tickets of a scenario: those of its lists, and those of single people.
 
-    One person at a time has a task at a station. The nearest people are notified first of a new
-    ticket.
+    While a person has a task at a station, other tasks there are not offered. The nearest people
+    who can take a new ticket are called first.
 
-    The duration of a ticket is drawn from the seed, its list and its number, so that it does not
-    depend on other events.
+    Durations are drawn by seed, list and number, so that they depend on nothing else.
     """
 
     def __init__(self, scenario: Scenario, clock: Clock) -> None:
@@ -76,16 +75,16 @@ class WorkBoard:
         self._busy: set[str] = set()
         self._tickets = 0
         self._drawn: dict[tuple[str, int], int] = {}
-        self._repeats = {name for name, work in scenario.work.items() if work.repeat}
+        self._repeats = {name for name, tasks in scenario.work.items() if tasks.repeat}
 
     def call(self, name: str, body: Body, called: Call) -> None:
-        """Call `called` when there may be more to do on the list `name`, nearest `body` first."""
+        """Call `called` for the person with `body` when list `name` may offer a task."""
         self._called.setdefault(name, []).append((body, called))
 
     def begin(self) -> None:
-        """Schedule all tickets."""
-        for name, work in self._scenario.work.items():
-            self._release(name, work)
+        """Schedule the appearance of all tickets."""
+        for name, tasks in self._scenario.work.items():
+            self._release(name, tasks)
         for person in self._scenario.people:
             own = own_list(person.name)
             self._release(own, WorkList(person.schedule))
@@ -126,18 +125,14 @@ class WorkBoard:
         self._notify([ticket])
 
     def offers(self, lists: list[str], person: str, at: Point) -> list[Ticket]:
-        """Return the tickets on `lists` that a person at the position `at` can take.
+        """Return the tickets on `lists` that `person` at `at` can take, the most urgent first.
 
-        The order is that of `Ticket.urgency`, then the nearest first.
+        Equally urgent tickets are sorted by distance.
         """
         tickets = [ticket for name in lists for ticket in self._open.get(name, ())]
         return sorted(
-            (
-                ticket
-                for ticket in tickets
-                if ticket.task.at not in self._busy and person not in ticket.refused
-            ),
-            key=lambda ticket: (*ticket.urgency, math.dist(ticket.at, at), ticket.id),
+            (one for one in tickets if one.task.at not in self._busy and person not in one.refused),
+            key=lambda one: (*one.urgency, math.dist(one.at, at), one.id),
         )
 
     def take(self, ticket: Ticket) -> None:
@@ -151,43 +146,44 @@ class WorkBoard:
         self._leave(ticket.task.at)
 
     def done(self, ticket: Ticket) -> None:
-        """Remove a finished ticket. Lists that repeat get a new one."""
+        """Complete a ticket. On repeated lists a new one appears."""
         self._leave(ticket.task.at)
         if ticket.list in self._repeats:
             self._put(ticket.list, ticket.number, ticket.task, ticket.is_break)
 
     def _leave(self, station: str) -> None:
-        """Release a station, and notify people of the most urgent ticket there."""
+        """Release a station, and notify people about its most urgent ticket."""
         self._busy.discard(station)
-        tickets = [ticket for tickets in self._open.values() for ticket in tickets]
-        waiting = [ticket for ticket in tickets if ticket.task.at == station]
-        self._notify(sorted(waiting, key=lambda ticket: ticket.urgency)[:1])
+        waiting = [
+            one for tickets in self._open.values() for one in tickets if one.task.at == station
+        ]
+        self._notify(sorted(waiting, key=lambda one: one.urgency)[:1])
 
     def _notify(self, tickets: list[Ticket]) -> None:
-        """Notify the people who could take one of `tickets`, the nearest to it first."""
+        """Call the people who can take one of `tickets`, the nearest first."""
         for ticket in tickets:
-            calls = self._called.get(ticket.list, [])
-            for _, called in sorted(calls, key=lambda one: math.dist(one[0].at, ticket.at)):
+            callbacks = self._called.get(ticket.list, [])
+            for _, called in sorted(callbacks, key=lambda one: math.dist(one[0].at, ticket.at)):
                 called()
 
 
 def own_list(person: str) -> str:
-    """Return the name of the list of a single person. No list of a trial has such a name."""
+    """Return the name of the list of a single person, which no other list has."""
     return f"of {person}"
 
 
 REACH = 1.5
-"""Distance within which the tasks of a station can be done, m, as the station may be occupied."""
+"""Maximum distance (m) from a station at which its tasks can be done."""
 
 SLOWEST, FASTEST = 0.1, 10.0
 """Minimum and maximum pace of work."""
 
 
 class Worker:
-    """Work of one person with this `body`, who takes tickets from a `board`, one at a time.
+    """Work of one person, who takes tickets from a `board`.
 
-    There are offers after the start and during shifts. The percepts are `work_offered`,
-    `task_done`, `shift_began` and `shift_ended`.
+    Tasks are offered after the start, during shifts. A person has at most one task. Percepts are
+    `work_offered`, `task_done`, `shift_began` and `shift_ended`.
     """
 
     def __init__(
@@ -221,7 +217,7 @@ class Worker:
             board.call(name, body, self._offered)
 
     def start(self) -> None:
-        """Schedule the shifts after the start of the person."""
+        """Begin to work, and schedule the shifts."""
         now = self._started = self._clock.now
         for begin, end in self._shifts:
             if end > now:
@@ -230,7 +226,7 @@ class Worker:
 
     @property
     def on_shift(self) -> bool:
-        """Whether the person can take tasks now."""
+        """Whether tasks are offered now."""
         if self._started is None:
             return False
         now = self._clock.now
@@ -244,14 +240,14 @@ class Worker:
 
     @property
     def time_working(self) -> float:
-        """Time worked without breaks, s."""
+        """Time worked without breaks (s)."""
         doing = self.doing
         under_way = self._since is not None and doing is not None and not doing.is_break
         return self._worked + (self._clock.now - (self._since or 0.0) if under_way else 0.0)
 
     @property
     def throughput(self) -> float | None:
-        """Tasks done per hour on shift, or None before any time on shift."""
+        """Tasks per hour on shift, or None before the first shift."""
         if self._started is None:
             return None
         now = self._clock.now
@@ -288,7 +284,7 @@ class Worker:
     # Actions
 
     def take(self, number: float) -> bool:
-        """Take the offered ticket with this id. False if there is none, or during another task."""
+        """Take the offered task with this number. Return False if there is none, or if busy."""
         for ticket in self.offers if self.doing is None else ():
             if ticket.id == number:
                 self._board.take(ticket)
@@ -298,7 +294,7 @@ class Worker:
         return False
 
     def begin(self) -> bool:
-        """Start or continue the task. False without a task, or out of reach of its station."""
+        """Begin work. Return False without a task, or out of reach of its station."""
         ticket = self.doing
         if ticket is None:
             return False
@@ -313,7 +309,7 @@ class Worker:
         return True
 
     def pause(self) -> None:
-        """Interrupt the task in progress, and keep it."""
+        """Interrupt the current task without giving it back."""
         ticket = self.doing
         if ticket is None or self._since is None:
             return
@@ -321,7 +317,7 @@ class Worker:
         self._record(TaskPaused(**self._facts(ticket), left=ticket.left))
 
     def give_back(self) -> bool:
-        """Return the task to the board. False without a task."""
+        """Give the task back to the board. Return False without a task."""
         self.pause()
         ticket = self.doing
         if ticket is None:
@@ -332,7 +328,7 @@ class Worker:
         return True
 
     def refuse(self, number: float) -> bool:
-        """Reject the offered ticket with this id for good. False if there is none."""
+        """Reject the offered task with this number for good. Return False if there is none."""
         for ticket in self.offers:
             if ticket.id == number:
                 ticket.refused.add(self._name)
@@ -341,7 +337,7 @@ class Worker:
         return False
 
     def work_pace(self, pace: float) -> bool:
-        """Set the pace as a multiple of the normal one. False outside 0.1 … 10."""
+        """Work `pace` times as fast as usual. Return False outside 0.1 to 10."""
         if not SLOWEST <= pace <= FASTEST:
             return False
         ticket = self.doing
@@ -353,7 +349,7 @@ class Worker:
         return True
 
     def _stop(self, ticket: Ticket) -> None:
-        """Stop the work in progress, and add up its time."""
+        """Interrupt the work, and add up the time."""
         assert self._since is not None
         spent = self._clock.now - self._since
         ticket.left = max(0.0, ticket.left - spent * self._pace)

@@ -17,7 +17,7 @@ from shapely.geometry.base import BaseGeometry
 
 from floorplan import Floorplan, Obstacle
 from navigation import Motion, standing
-from navigation.contacts import Bounds, Outlines, bounds_from, shrunk
+from navigation.contacts import Extent, Outlines, bounds_from, shrunk
 from navigation.kernels.edges import come_into
 from navigation.kernels.numbers import numbers
 
@@ -254,7 +254,7 @@ class FloorMonitor:
 
 
 @lru_cache(maxsize=4096)
-def _parts(area: BaseGeometry, outside: bool) -> tuple[Bounds, ...]:
+def _parts(area: BaseGeometry, outside: bool) -> tuple[Extent, ...]:
     """Return the bounds of an area, or of the sides of its rings if the rest is covered."""
     if not outside:
         return (area.bounds,)

@@ -25,7 +25,7 @@ def make(source, **options):
     return agent, log
 
 
-def test_wakes_up_at_the_exact_times_in_order():
+def test_an_agent_wakes_up_at_the_exact_times_in_order():
     agent, log = make(
         "!a. !b. +!a <- .wait(1000); at_1; .wait(100); at_1_1. +!b <- .wait(1100); also_at_1_1."
     )
@@ -35,7 +35,7 @@ def test_wakes_up_at_the_exact_times_in_order():
     assert agent.now == 100.0
 
 
-def test_times_do_not_drift():
+def test_repeated_waits_do_not_drift():
     source = "!a. +!a <- .wait(100); step; !a. +go <- .wait(200); other."
     agent, log = make(source)
     agent.advance(0.0)
@@ -46,7 +46,7 @@ def test_times_do_not_drift():
 
 
 @given(st.lists(st.integers(0, 3000), min_size=1, max_size=12), st.integers(0, 2**32))
-def test_waits_end_by_time_and_then_by_start(durations, seed):
+def test_waits_end_in_order_of_time_and_then_of_start(durations, seed):
     goals = " ".join(f"!w({i},{d})." for i, d in enumerate(durations))
     agent, log = make(goals + " +!w(I,D) <- .wait(D); done(I).")
     chance = random.Random(seed)
@@ -58,7 +58,7 @@ def test_waits_end_by_time_and_then_by_start(durations, seed):
     assert [(round(t * 1000), text) for t, text in log] == [(d, f"done({i})") for d, i in expected]
 
 
-def test_next_wakeup_is_what_is_due_next():
+def test_next_wakeup_is_the_time_of_the_next_activity():
     agent, _ = make("!a. +!a <- .wait(250); .wait(500). +drop <- .drop_all_intentions.")
     assert agent.next_wakeup == 0.0
     agent.advance(0.0)
@@ -70,7 +70,7 @@ def test_next_wakeup_is_what_is_due_next():
     assert agent.next_wakeup is None
 
 
-def test_time_goes_forward():
+def test_an_agent_cannot_go_back_in_time():
     agent, _ = make("a.")
     agent.advance(2.0)
     with pytest.raises(ValueError, match="must not decrease"):
@@ -78,7 +78,7 @@ def test_time_goes_forward():
 
 
 @pytest.mark.parametrize("time", [math.nan, math.inf, -math.inf])
-def test_a_time_is_a_number_of_seconds(time):
+def test_times_that_are_no_finite_numbers_are_rejected(time):
     program = bdi.parse("")
     with pytest.raises(ValueError, match=f"a finite number of seconds, not {time}"):
         bdi.Agent(program).advance(time)
@@ -86,7 +86,7 @@ def test_a_time_is_a_number_of_seconds(time):
         bdi.Agent(program, settings=bdi.AgentSettings(start=time))
 
 
-def test_percepts_count_at_the_time_of_the_next_advance():
+def test_percepts_are_added_at_the_next_advance():
     agent, log = make("!a. +!a <- .wait(500); early. +p(X) <- saw(X). -p(X) <- lost(X).")
     agent.advance(0.0)
     agent.add_percept("p(1)")
@@ -101,7 +101,7 @@ def test_percepts_count_at_the_time_of_the_next_advance():
     assert [str(p) for p in agent.percepts] == ["p(2)"]
 
 
-def test_percepts_that_an_action_brings_are_perceived_at_once():
+def test_percepts_from_an_action_are_added_immediately():
     def act(action):
         agent.add_percept(f"did({action.args[0]:g})")
         return True
@@ -114,7 +114,7 @@ def test_percepts_that_an_action_brings_are_perceived_at_once():
     assert seen == ["did7"]
 
 
-def test_actions_are_easy_to_take_apart():
+def test_an_action_has_a_functor_and_arguments():
     taken = []
     source = '!go. +!go <- move(1.5, -2, "name", [1, b], f(x)).'
     agent = bdi.Agent(bdi.parse(source), act=lambda a: taken.append(a) or True)
@@ -134,7 +134,7 @@ def test_an_action_may_fail():
     assert log == [(0.0, "action_failed")]
 
 
-def test_an_action_may_take_its_time():
+def test_an_action_may_finish_later():
     asked = []
 
     def act(action):
@@ -155,7 +155,7 @@ def test_an_action_may_take_its_time():
         agent.finish("walk(1)")
 
 
-def test_atomic_plans_keep_their_action_to_themselves():
+def test_other_intentions_wait_for_the_action_of_an_atomic_plan():
     agent, log = make("@x[atomic] +p(_) <- one; .wait(100); two. +q(_) <- other.")
     agent.advance(0.0)
     agent.add_percept("p(1)")
@@ -167,7 +167,7 @@ def test_atomic_plans_keep_their_action_to_themselves():
     assert [text for _, text in log] == ["one", "two", "other"]
 
 
-def test_what_it_is_up_to_can_be_read():
+def test_intentions_can_be_inspected():
     agent, _ = make("b(1).\n!go.\n@walk\n+!go <- !sub(2).\n+!sub(X) <- .wait(1000);\n  done.")
     agent.advance(0.0)
     (intention,) = agent.intentions
@@ -189,7 +189,7 @@ def test_reprs_are_short():
     assert repr(bdi.parse("x :- p(X) & not q(-X).").beliefs[0].body) == "<(p(X) & not (q((-X))))>"
 
 
-def test_entries_tell_what_happened():
+def test_entries_report_internal_events():
     entries = []
     agent, _ = make(
         "!go(20). +!go(0) <- end. +!go(N) <- !go(N-1).",
@@ -200,7 +200,7 @@ def test_entries_tell_what_happened():
     assert entries[-2].line == 1
 
 
-def test_beliefs_given_to_the_agent_come_first():
+def test_beliefs_of_the_agent_precede_those_of_the_program():
     agent, log = make("speed(1). !go. +!go <- ?speed(X); .print(X).", beliefs=["speed(9)"])
     agent.advance(0.0)
     assert log == [(0.0, "9")]
@@ -224,7 +224,7 @@ def test_dates_count_simulated_time():
     assert log == [(3723.004, "[1,2,3,4,2023,1,1]")]
 
 
-def test_own_internal_actions():
+def test_custom_internal_actions_answer_queries_and_steps():
     actions = bdi.InternalActions()
 
     @actions.add("floor.distance", least=3, most=3)
@@ -253,7 +253,7 @@ def test_own_internal_actions():
         actions.add("floor.distance")
 
 
-def test_unknown_internal_actions_are_found_when_loaded():
+def test_unknown_internal_actions_are_rejected_by_strict_agents():
     source = "r :- .membr(1,[]). +!a : .atm(x) <- .drop_desir(x); if (.listt([])) { .prnt }."
     with pytest.raises(bdi.ProgramError) as wrong:
         bdi.Agent(bdi.parse(source, "x.asl"), settings=bdi.AgentSettings(strict=True))
@@ -283,12 +283,12 @@ def test_unknown_internal_actions_are_warnings_unless_an_agent_is_strict():
         bdi.Agent(program, settings=bdi.AgentSettings(strict=True))
 
 
-def test_waiting_cannot_be_in_a_context():
+def test_wait_is_rejected_in_a_context():
     with pytest.raises(bdi.ProgramError, match=r"\.wait cannot be used in a context"):
         bdi.Agent(bdi.parse("+!a : .wait(1) <- b."))
 
 
-def test_two_plans_with_one_label():
+def test_two_plans_with_the_same_label_are_rejected():
     with pytest.raises(bdi.ProgramError, match=r"x\.asl:2:.*@l"):
         bdi.Agent(bdi.parse("@l +!a <- b.\n@l +!c <- d.", "x.asl"))
 
@@ -302,7 +302,7 @@ def test_two_plans_with_one_label():
         ("!go.\n+!go <- !!other. +!other <- -+b(1).\n+b(_) <- !!go.", "x.asl"),
     ],
 )
-def test_what_never_ends_is_stopped(source, place):
+def test_endless_programs_are_stopped(source, place):
     agent = bdi.Agent(bdi.parse(source, "x.asl"), settings=bdi.AgentSettings(max_cycles=2000))
     with pytest.raises(bdi.EndlessProgramError, match="2000 cycles") as wrong:
         agent.advance(0.0)
@@ -318,21 +318,21 @@ def test_what_never_ends_is_stopped(source, place):
         "!g.\n+!g <- !!g; .wait({+never}).",
     ],
 )
-def test_intentions_that_become_more_without_end_are_stopped(source):
+def test_an_endless_number_of_intentions_is_stopped(source):
     agent = bdi.Agent(bdi.parse(source, "x.asl"), settings=bdi.AgentSettings(max_intentions=500))
     with pytest.raises(bdi.EndlessProgramError, match=r"x\.asl:2.*500 intentions"):
         agent.advance(60.0)
     assert len(agent.intentions) <= 501
 
 
-def test_waiting_for_much_that_happens_is_work_that_ends():
+def test_endless_waits_are_stopped():
     source = "!g.\n+!g <- !!g; .wait({+never})."
     agent = bdi.Agent(bdi.parse(source, "x.asl"), settings=bdi.AgentSettings(max_goals=1000))
     with pytest.raises(bdi.EndlessProgramError, match=r"x\.asl:2.*goals"):
         agent.advance(0.0)
 
 
-def test_goals_may_be_deep_but_not_endless():
+def test_deep_recursion_of_goals_works_and_endless_recursion_is_stopped():
     source = (
         "!go. +!go <- !sum(20000,S); .print(S). +!sum(0,0). +!sum(N,S) <- !sum(N-1,R); S = R+N."
     )
@@ -345,7 +345,7 @@ def test_goals_may_be_deep_but_not_endless():
 
 
 @pytest.mark.slow
-def test_rules_may_be_deep_but_not_endless():
+def test_deep_recursion_of_rules_works_and_endless_recursion_is_stopped():
     source = "len([],0). len([_|T],N) :- len(T,M) & N = M+1."
     agent, log = make(
         source + "!go. +!go <- .findall(X,.range(X,1,10000),L); ?len(L,N); .print(N)."
@@ -357,14 +357,14 @@ def test_rules_may_be_deep_but_not_endless():
         agent.advance(0.0)
 
 
-def test_terms_that_are_nested_too_deeply_are_refused():
+def test_terms_nested_too_deeply_are_rejected():
     agent, _ = make("!go(x,0). +!go(T,N) : N < 5000 <- !go(f(T),N+1). +!go(T,N) <- .print(T).")
     with pytest.raises(bdi.EndlessProgramError, match="more than 150 deep"):
         agent.advance(0.0)
 
 
 @pytest.mark.slow
-def test_a_million_cycles_leave_nothing_behind():
+def test_a_million_cycles_do_not_increase_memory():
     agent, _ = make("!go(100000). +!go(0). +!go(N) : N > 0 <- -+at(N); !!go(N-1).", print=None)
     agent.advance(0.0)
     gc.collect()
@@ -389,7 +389,7 @@ def test_many_beliefs_are_found_by_their_first_argument():
     assert log == [(0.0, str(777 * 777))]
 
 
-def test_stopping():
+def test_stop_mas_ends_the_program():
     agent, log = make("!a. !b. +!a <- .wait(10); .stopMAS; never. +!b <- .wait(20); never.")
     agent.advance(1.0)
     assert agent.is_stopped

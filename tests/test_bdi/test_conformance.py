@@ -44,7 +44,7 @@ def run_out(program, limit=1000, actions=False):
 
 
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
-def test_own_programs(path):
+def test_programs_print_the_expected_lines(path):
     expected = path.with_suffix(".out").read_text(encoding="utf-8").splitlines()
     assert run_out(bdi.parse_file(path)) == expected
 
@@ -52,7 +52,7 @@ def test_own_programs(path):
 @pytest.mark.parametrize(
     "path", sorted((REFERENCE / "programs").glob("*.asl")), ids=lambda path: path.stem
 )
-def test_reference_programs(path):
+def test_reference_programs_behave_as_in_jason(path):
     expected = path.with_suffix(".out").read_text(encoding="utf-8").splitlines()
     actions = any(line.startswith("action ") for line in expected)
     printed = run_out(bdi.parse_file(path), actions=actions)
@@ -65,7 +65,7 @@ def test_reference_programs(path):
 @pytest.mark.parametrize(
     "output", sorted((REFERENCE / "societies").glob("*.out")), ids=lambda path: path.stem
 )
-def test_reference_societies(output):
+def test_reference_societies_behave_as_in_jason(output):
     lines, society = [], bdi.Society()
     for path in sorted(output.parent.glob(f"{output.stem}-*.asl")):
         name = path.stem.partition("-")[2]
@@ -104,7 +104,7 @@ def replay(trace):
     return actions, prints
 
 
-def test_reference_traces():
+def test_reference_traces_are_reproduced():
     paths = sorted((REFERENCE / "traces").glob("*.json"))
     assert paths
     for path in paths:
@@ -149,7 +149,7 @@ def test_the_command_replays_a_trace(tmp_path):
         assert [entry for entry in written if "print" in entry] == said
 
 
-def test_the_command_runs_until_nothing_is_left():
+def test_the_command_runs_until_the_agent_is_idle():
     done = command(PROGRAMS[0])
     expected = PROGRAMS[0].with_suffix(".out").read_text(encoding="utf-8").splitlines()
     assert [json.loads(line)["print"] for line in done.stdout.splitlines()] == expected
@@ -187,7 +187,7 @@ def test_a_trace_of_the_inside_goes_to_stderr(tmp_path):
         ("[]", '"add" or "remove"'),
     ],
 )
-def test_a_wrong_line_of_a_script_is_named(tmp_path, floorwalker, line, message):
+def test_an_invalid_line_of_a_script_is_reported(tmp_path, floorwalker, line, message):
     script = tmp_path / "script.jsonl"
     script.write_text('{"t": 0.5, "add": "fine"}\n\n' + line + "\n", encoding="utf-8")
     (tmp_path / "idle.asl").write_text("+fine <- true.\n")

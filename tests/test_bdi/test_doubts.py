@@ -27,7 +27,7 @@ def told(text):
         ("+human_strat <- stop.", 1, "nothing adds human_strat; did you mean human_start?"),
     ],
 )
-def test_what_is_doubtful_is_said_with_its_line(text, line, message):
+def test_warnings_have_the_line_of_their_cause(text, line, message):
     ((at, words),) = told(text)
     assert at == line and message in words
 
@@ -44,5 +44,5 @@ def test_what_is_doubtful_is_said_with_its_line(text, line, message):
         "+met <- other::walk; !other::go.",
     ],
 )
-def test_what_may_well_be_meant_is_not_doubted(text):
+def test_plausible_programs_cause_no_warning(text):
     assert told(text) == []

@@ -24,7 +24,7 @@ def test_an_endless_chain_of_failures_is_reported_with_its_line(chain):
         agent.advance(0.0)
 
 
-def test_thousands_of_goals_may_fail_at_one_instant():
+def test_thousands_of_goals_may_fail_at_one_time():
     printed = []
     text = """
         !all.
@@ -36,7 +36,7 @@ def test_thousands_of_goals_may_fail_at_one_instant():
     assert printed == ["done"]
 
 
-def test_failures_at_different_instants_are_no_chain():
+def test_failures_at_different_times_are_no_chain():
     agent = bdi.Agent(bdi.parse("!a. +!a <- .wait(1000); .fail. -!a <- !a."))
     for second in range(1, 3000):
         agent.advance(float(second))

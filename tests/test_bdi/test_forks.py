@@ -24,7 +24,7 @@ def said(plans):
         ),
     ],
 )
-def test_branches_join(plans, lines):
+def test_branches_of_a_fork_join(plans, lines):
     assert said(plans) == lines.split()
 
 
@@ -51,7 +51,7 @@ def test_branches_join(plans, lines):
         ),
     ],
 )
-def test_branches_fail(plans, lines):
+def test_failures_in_branches_end_the_fork(plans, lines):
     assert said(plans) == lines.split()
 
 
@@ -95,7 +95,7 @@ def test_a_goal_in_branches_is_ended_from_one_of_them_or_from_elsewhere(plans, l
         "@atomic[atomic] +!c <- .succeed_goal(c); .print(no).",
     ],
 )
-def test_an_intention_goes_on_after_a_goal_of_its_own_that_it_says_is_achieved(plans):
+def test_an_intention_continues_after_its_own_goal_is_declared_achieved(plans):
     assert said(plans) == ["after"]
 
 
@@ -173,13 +173,13 @@ NOT_IN_ONE = "+!d <- .wait(30); .print(no)."
         ),
     ],
 )
-def test_forks_in_forks(plans, lines):
+def test_forks_may_be_nested(plans, lines):
     if lines is None:
         assert said(plans)[-2:] == ["joined", "after"]
     else:
         assert said(plans) == lines.split()
 
 
-def test_forks_that_go_on_for_ever_in_forks_end_with_the_first():
+def test_endless_inner_forks_end_with_the_first_branch():
     plans = "+!c <- !dig(0); .print(joined). +!dig(N) : N < 5 <- .wait(100) ||| !dig(N + 1)."
     assert said(plans + " +!dig(N) <- .print(N).") == ["5", "joined", "after"]

@@ -47,7 +47,7 @@ def heard(program, act=lambda action: True, until=(0.0, 0.01, 0.02, 0.03), bells
         ("if (.desire(work)) {.print(desired)}", ["desired", "works", "on", "later"]),
     ],
 )
-def test_a_goal_in_the_queue(how, lines):
+def test_a_queued_goal_can_be_ended(how, lines):
     program = f"{OUTER} +!go <- .wait(10); {how}; .wait(5); .print(later); .resume(work)."
     assert heard(program) == lines
 
@@ -62,7 +62,7 @@ def test_a_goal_in_the_queue(how, lines):
         (".suspend(work)", ["end"]),
     ],
 )
-def test_a_goal_that_waits_for_an_action(how, lines):
+def test_a_goal_that_waits_for_an_action_can_be_ended(how, lines):
     """The environment never says what became of the action."""
     program = (
         "!outer. !go."
@@ -104,7 +104,7 @@ def test_a_goal_that_waits_for_an_action(how, lines):
         (".print(a) |&| .print(b); .print(c)", ["a", "b", "c"]),
     ],
 )
-def test_a_step(step, lines):
+def test_the_step_prints_the_expected_lines(step, lines):
     done = []
     said = printed(
         f"!go. +!go <- {step}. -!go[error(E)] <- .print(E)."

@@ -52,7 +52,7 @@ def test_arithmetic_is_that_of_java(expression, result):
 
 
 @pytest.mark.parametrize("sum_", ["A + 1", "1 + A", "A + B", "B + A", "A + A", "2 * (A + B)"])
-def test_arithmetic_with_what_is_no_number_is_undefined(sum_):
+def test_arithmetic_of_other_terms_than_numbers_is_undefined(sum_):
     for given in ("a", "p(1)", '"a"', "[1]"):
         assert said(f"A = {given}; B = 2; X = {sum_}; .print(X)") == ["NaN"], given
         assert said(f"A = {given}; B = 2; .print({sum_})") == ["NaN"], given
@@ -100,7 +100,7 @@ def formulas(table):
 
 
 @pytest.mark.parametrize("formula", list(formulas(HOLDS)))
-def test_it_holds(formula):
+def test_the_formula_holds(formula):
     lines = said(
         f"if ({formula}) {{ .print(holds) }} else {{ .print(fails) }}",
         "here(1). derived(X) :- here(X).",
@@ -173,7 +173,7 @@ def test_solutions_come_in_order(formula, solutions):
         (".fail_goal(7)", "must be a literal"),
     ],
 )
-def test_a_wrong_argument_is_named(action, message):
+def test_an_invalid_argument_is_reported(action, message):
     (line,) = said(action)
     assert message in line
 
@@ -182,7 +182,7 @@ def test_log_prints_or_warns():
     assert said(".log(info, a, 1); .log(fine, b); .log(warning, c)") == ["a1"]
 
 
-def test_seeds_repeat_random_numbers():
+def test_a_seed_repeats_random_numbers():
     first, second = said(
         ".set_random_seed(7); .random(X); .shuffle([1, 2, 3, 4, 5, 6], L); .print(X, L);"
         ".set_random_seed(7); .random(Y); .shuffle([1, 2, 3, 4, 5, 6], M); .print(Y, M)"
@@ -190,7 +190,7 @@ def test_seeds_repeat_random_numbers():
     assert first == second
 
 
-def test_events_are_announced():
+def test_at_raises_an_event_later():
     lines = said(
         '.at("now + 2 minutes", {+!ring}); .wait(119000); .print(before); .wait(2000);'
         " .print(after)",
@@ -199,7 +199,7 @@ def test_events_are_announced():
     assert lines == ["before", "0:2:0", "after"]
 
 
-def test_plans_come_and_go():
+def test_plans_are_added_and_removed_at_run_time():
     assert said(
         '.add_plan("@late +!greet <- .print(hello)."); !greet;'
         ' .add_plan("+!greet <- .print(first).", self, begin); !greet;'
@@ -259,7 +259,7 @@ def test_goals_are_suspended_and_resumed(body, plans, lines):
         ("suspend", ["end", "works"]),
     ],
 )
-def test_goals_that_wait_to_be_begun_can_be_ended(how, lines):
+def test_queued_goals_can_be_ended(how, lines):
     """No event is dealt with while an atomic plan runs: that of `work` is still in the queue."""
     heard = said(
         "!quiet; .wait(10); .print(end); .resume(work)",
@@ -288,7 +288,7 @@ def test_formulas_of_every_kind_are_copied_with_new_variables():
     assert said(body, rules) == ["4 7 [1,2]"]
 
 
-def test_beliefs_keep_their_sources_apart():
+def test_the_sources_of_a_belief_are_independent():
     assert said(
         "+here(1)[source(bob)]; +here(1); -here(1)[source(bob)]; ?here(1)[source(self)];"
         " .count(here(_)[source(bob)], N); .print(N); -+here(2);"
@@ -329,14 +329,14 @@ def test_a_wait_ends_as_soon_as_its_condition_holds(condition, time):
     assert met == ([] if time is None else [time])
 
 
-def test_beliefs_in_front_and_gone():
+def test_beliefs_are_added_in_front_and_removed():
     assert said(
         "+f(1); .asserta(f(2)); .findall(X, f(X), L); .print(L); .perceive; .abolish(f(_));"
         " .count(f(_), N); .print(N)"
     ) == ["[2,1]", "0"]
 
 
-def test_a_list_of_all_answers_follows_every_change_of_beliefs():
+def test_a_list_of_all_answers_is_updated_after_each_change_of_beliefs():
     ask = ".findall(X, f(X, Y), L{0}); .print(L{0}); "
     changes = [
         "+f(1, a)",

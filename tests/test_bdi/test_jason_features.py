@@ -19,7 +19,7 @@ def test_a_plan_is_taken_apart_put_together_and_carried_out():
     assert lines[4] == ".wait(10); !y"
 
 
-def test_bodies_in_braces_hold_waits_and_forks():
+def test_bodies_in_braces_may_contain_waits_and_forks():
     body = "B = { .print(a); .wait(5) |&| .wait(9); .print(b) }; X = 1; B; +{+!z <- .print(X)}; !z"
     assert said(body) == ["a", "b", "1"]
 
@@ -36,7 +36,7 @@ def test_patterns_make_goals_declarative(pattern, plans, lines):
     assert printed(f"n(0). m. !g. {{ begin {pattern} }} {plans} {{ end }}") == lines
 
 
-def test_what_has_no_namespace_is_what_a_variable_stands_for():
+def test_a_variable_as_a_query_finds_only_beliefs_without_namespace():
     lines = printed(
         """b(1). other::b(2). { begin namespace(hidden, local) } b(3). { end }
         !go. +!go <- .findall(X, X, L); .print(L); .findall(N, .namespace(N), Ns); .print(Ns)."""
@@ -72,7 +72,7 @@ def test_namespaces_keep_names_apart(tmp_path):
     ]
 
 
-def test_a_goal_lasts_until_its_condition_holds_and_has_plans_of_its_own():
+def test_a_goal_with_a_condition_lasts_until_it_holds_and_has_subplans():
     lines = printed(
         """!top.
         +!top <- !g(7); .print(back).
@@ -83,7 +83,7 @@ def test_a_goal_lasts_until_its_condition_holds_and_has_plans_of_its_own():
     assert lines == ["inside 7", "17", "back"]
 
 
-def test_a_percept_is_dealt_with_by_the_plans_inside_each_plan():
+def test_a_percept_is_handled_by_the_subplans_of_each_intention():
     lines = []
     program = """!g(1). !g(2).
         +!g(N) <: false <- .wait(100000). { +light(C) <- .print(N, C). +off <- .done. }
@@ -98,7 +98,7 @@ def test_a_percept_is_dealt_with_by_the_plans_inside_each_plan():
     assert agent.intentions == []
 
 
-def test_goals_announce_their_states():
+def test_goal_states_raise_events():
     lines = printed(
         """!a. +!a <- .wait(10); !b. +!b <- .fail.
         ^!a[state(S)] <- .print("a ", S). ^!b[state(S)[reason(R)]] <- .print("b ", S, R)."""
@@ -109,13 +109,13 @@ def test_goals_announce_their_states():
     ]
 
 
-def test_an_agent_with_nothing_to_do_says_so():
+def test_an_idle_agent_raises_an_event():
     program = """!a. +!a <- .print(x); .wait(100); .print(y).
         +jag_sleeping <- .print(sleeping). +jag_awaking <- .print(awake)."""
     assert printed(program) == ["x", "sleeping", "y", "awake", "sleeping"]
 
 
-def test_an_agent_answers_by_its_plans_and_learns_some():
+def test_an_agent_sends_messages_to_itself():
     lines = printed(
         """!s. +?d(X) <- X = 9. +!k(1) <- .print(k).
         +!s <- .send(self, askOne, d(X), A); .print(A);
@@ -135,7 +135,7 @@ def test_an_agent_answers_by_its_plans_and_learns_some():
     ]
 
 
-def test_control_structures_maps_and_functions_are_actions_too():
+def test_control_structures_maps_and_functions_are_internal_actions():
     lines = said(
         ".if_then_else(1 < 2, {.print(yes)}, {.print(no)});"
         " .foreach(.member(X, [1, 2]), {.print(X)});"
@@ -153,7 +153,7 @@ def test_control_structures_maps_and_functions_are_actions_too():
     ]
 
 
-def test_functions_of_ones_own_stand_in_terms():
+def test_custom_functions_are_evaluated_in_terms():
     actions = bdi.InternalActions()
 
     @actions.function("my.half")
@@ -180,7 +180,7 @@ def test_functions_of_ones_own_stand_in_terms():
         ("{ begin sga(a, b, c) } { end }", "sga takes an event"),
     ],
 )
-def test_what_is_wrong_with_a_directive_is_said(program, message):
+def test_an_invalid_directive_is_reported(program, message):
     with pytest.raises(bdi.ProgramError) as error:
         bdi.parse(program)
     assert message in str(error.value)

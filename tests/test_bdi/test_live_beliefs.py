@@ -44,7 +44,7 @@ ASKING = {
 
 
 @pytest.mark.parametrize("body", ASKING.values(), ids=ASKING)
-def test_every_query_finds_what_holds_now(body):
+def test_each_query_uses_the_current_live_beliefs(body):
     world = World()
     source = (
         f"there(X) :- here(X, _). !go. +!go <- {body}; .wait(1000); !go."
@@ -57,7 +57,7 @@ def test_every_query_finds_what_holds_now(body):
     assert said == ["0", "1", "4", "9"]
 
 
-def test_whoever_does_not_look_costs_nothing():
+def test_other_queries_do_not_call_the_source():
     world = World()
     agent, said = make(
         "other(1). here(1). !go. +!go : other(X) & not here(X, 1, 2) & not ~here(X, 1)"
@@ -71,7 +71,7 @@ def test_whoever_does_not_look_costs_nothing():
     assert world.looks == 0
 
 
-def test_beliefs_of_ones_own_stand_beside_them_and_can_be_changed():
+def test_stored_beliefs_of_the_same_key_can_be_changed():
     world = World()
     agent, said = make(
         "here(7, own). here(X, far) :- X = 9. !go."
@@ -85,7 +85,7 @@ def test_beliefs_of_ones_own_stand_beside_them_and_can_be_changed():
     assert [str(belief) for belief in agent.beliefs] == ["here(8,own)[source(self)]"]
 
 
-def test_many_of_ones_own_are_found_by_their_first_argument_still():
+def test_stored_beliefs_of_the_same_key_are_indexed():
     world = World()
     many = " ".join(f"here({n}, n)." for n in range(1, 100))
     agent, said = make(
@@ -95,7 +95,7 @@ def test_many_of_ones_own_are_found_by_their_first_argument_still():
     assert said == ["n", "b"]
 
 
-def test_a_source_with_other_arguments_is_refused():
+def test_a_source_with_a_wrong_number_of_arguments_is_rejected():
     agent = bdi.Agent(
         bdi.parse("!go. +!go <- ?here(X, Y)."),
         settings=bdi.AgentSettings(live={("here", 2): lambda: [(1.0, 2.0, 3.0)]}),

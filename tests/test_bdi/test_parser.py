@@ -48,17 +48,17 @@ def check(text):
 
 
 @given(st.text(max_size=200))
-def test_any_text_is_read_or_refused(text):
+def test_any_text_is_parsed_or_rejected(text):
     check(text)
 
 
 @given(st.text(alphabet=string.printable, max_size=300))
-def test_any_printable_text_is_read_or_refused(text):
+def test_any_printable_text_is_parsed_or_rejected(text):
     check(text)
 
 
 @given(st.lists(PIECES, max_size=40))
-def test_any_tokens_are_read_or_refused(pieces):
+def test_any_tokens_are_parsed_or_rejected(pieces):
     check(" ".join(pieces))
 
 
@@ -130,7 +130,7 @@ CLAUSES = st.one_of(
 
 
 @given(st.lists(CLAUSES, max_size=4).map("\n".join))
-def test_what_is_written_reads_the_same(source):
+def test_a_printed_program_parses_to_the_same_program(source):
     program = bdi.parse(source)
     written = str(program)
     assert str(bdi.parse(written)) == written
@@ -165,7 +165,7 @@ def test_brackets_around_steps_make_no_difference(written, meant):
     assert done[0][1]
 
 
-def test_no_annotations_in_brackets_are_none():
+def test_empty_annotations_are_ignored():
     written = "p[]. +!g <- !b(X[]); _[]; ~a(Y[])[]; Z[b]; Z[]."
     assert str(bdi.parse(written)) == str(bdi.parse("p. +!g <- !b(X); _; ~a(Y); Z[b]; Z."))
 
@@ -176,7 +176,7 @@ def problems(source):
     return [(p.line, p.column, p.message) for p in wrong.value.problems]
 
 
-def test_every_wrong_clause_is_reported():
+def test_all_invalid_clauses_are_reported():
     source = "a(1.\n!go.\n+!go <- .print(1) .print(2).\nb(2).\n+!c : <- d.\nX."
     assert [place[:2] for place in problems(source)] == [(1, 4), (3, 19), (5, 7), (6, 1)]
 
@@ -202,13 +202,13 @@ def test_every_wrong_clause_is_reported():
         ("+~.print(1).", (1, 2), "cannot be negated"),
     ],
 )
-def test_the_place_of_a_mistake(source, place, part):
+def test_an_error_has_a_line_and_a_column(source, place, part):
     ((line, column, message),) = problems(source)
     assert (line, column) == place, message
     assert part in message
 
 
-def test_deep_nesting_is_refused_or_read():
+def test_deep_nesting_is_parsed_or_rejected():
     for depth in (10, 100, 5000):
         for text in ("a(" + "(" * depth + "1" + ")" * depth + ").", "a" * depth + "(" * depth):
             check(text)
@@ -237,18 +237,18 @@ def test_deep_nesting_is_refused_or_read():
         ("math.abs(-1) + X", "(math.abs(-1)+X)"),
     ],
 )
-def test_how_terms_are_read_and_printed(source, printed):
+def test_terms_are_parsed_and_printed(source, printed):
     (rule,) = bdi.parse(f"x :- {source}.").beliefs
     assert str(rule) == f"x :- {printed}"
 
 
-def test_comments_and_layout_do_not_matter():
+def test_comments_and_layout_are_ignored():
     one = bdi.parse("a.// b.\n/* c. \n * d. */ e(1,/* two */2). +!g:a<-b;c.")
     other = bdi.parse("a.\n\n  e( 1 , 2 ) .\n+!g : a <- b ; c ; .")
     assert str(one) == str(other)
 
 
-def test_included_files(tmp_path):
+def test_programs_include_files(tmp_path):
     (tmp_path / "sub").mkdir()
     (tmp_path / "main.asl").write_text('a. { include("sub/part.asl") } c.', encoding="utf-8")
     (tmp_path / "sub" / "part.asl").write_text("b.", encoding="utf-8")
@@ -270,7 +270,7 @@ def test_included_files(tmp_path):
     assert len(wrong.value.problems) == 2
 
 
-def test_files_that_are_no_text(tmp_path):
+def test_files_without_text_are_rejected(tmp_path):
     path = tmp_path / "x.asl"
     path.write_bytes(b"a(\xff).")
     with pytest.raises(bdi.ProgramError, match="UTF-8"):
@@ -280,12 +280,12 @@ def test_files_that_are_no_text(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["", " ", "\n"])
-def test_nothing_is_no_literal(text):
+def test_an_empty_text_is_no_literal(text):
     with pytest.raises(bdi.ProgramError, match="found the end"):
         bdi.parse_literal(text)
 
 
-def test_files_with_the_same_text_keep_their_own_places_and_changes_are_seen(tmp_path):
+def test_files_with_the_same_text_have_separate_locations_and_are_read_again(tmp_path):
     one, other = tmp_path / "one.asl", tmp_path / "other.asl"
     for path in (one, other):
         path.write_text("!walk.\n+!walk <- wait.\n")
@@ -295,7 +295,7 @@ def test_files_with_the_same_text_keep_their_own_places_and_changes_are_seen(tmp
     assert [str(goal) for goal in bdi.parse_file(one).goals] == ["!rest"]
 
 
-def test_a_wrong_text_is_refused_each_time():
+def test_an_invalid_text_is_rejected_each_time():
     errors = []
     for _ in range(2):
         with pytest.raises(bdi.ProgramError) as refused:

@@ -40,7 +40,7 @@ EVERYBODY = sorted(bdi.programs())
 
 
 @pytest.mark.parametrize("name", EVERYBODY)
-def test_patrols_in_a_ring_once_started(name):
+def test_people_patrol_in_a_ring_after_the_start(name):
     scene = Scene(name)
     assert scene.at(1.0, "gantry_detected(0)") == []
     assert scene.at(2.0, "human_start") == [(2.0, PLACES["s1"])]
@@ -49,7 +49,7 @@ def test_patrols_in_a_ring_once_started(name):
 
 
 @pytest.mark.parametrize("name", EVERYBODY)
-def test_any_number_of_stations(name):
+def test_people_patrol_any_number_of_stations(name):
     for stations in (["station(only,1,2)"], ["station(a,1,2)", "station('B b',3,4)"]):
         actions = []
         agent = bdi.Agent(
@@ -75,7 +75,7 @@ def test_any_number_of_stations(name):
         ("agv_danger(0)", "teleport_agv", "pause_after_agv(2500)", 2.5),
     ],
 )
-def test_begins_anew_after_coming_too_close(name, percept, action, belief, pause):
+def test_people_restart_the_patrol_after_a_violation(name, percept, action, belief, pause):
     scene = Scene(name, *([] if belief is None else [belief])).walking()
     first = [what for _, what in scene.at(7.0, percept)]
     assert [what for what in first if what != "walk_speed(1)"] == [action]
@@ -85,7 +85,7 @@ def test_begins_anew_after_coming_too_close(name, percept, action, belief, pause
 
 
 @pytest.mark.parametrize("name", EVERYBODY)
-def test_tries_again_where_the_way_is_blocked_and_then_goes_elsewhere(name):
+def test_people_retry_a_blocked_path_and_then_choose_the_next_station(name):
     scene = Scene(name).walking()
     for i in range(3):
         assert scene.at(10.0 + 5 * i, f"path_blocked({i})") == []
@@ -154,7 +154,7 @@ REACTIONS = [
 
 
 @pytest.mark.parametrize(("person", "script"), [(r[0], r[1:]) for r in REACTIONS])
-def test_reacts_to_the_gantry(person, script):
+def test_people_react_to_the_gantry_by_personality(person, script):
     scene = Scene(*person.split()).walking()
     for line in script:
         given, _, expected = line.partition(">")
@@ -165,13 +165,13 @@ def test_reacts_to_the_gantry(person, script):
 
 
 @pytest.mark.parametrize("name", EVERYBODY)
-def test_the_programs_say_who_they_are(name):
+def test_programs_are_described_at_their_beginning(name):
     text = bdi.programs()[name].read_text(encoding="utf-8")
     assert text.startswith(f"// {name.capitalize()}: ")
 
 
 @pytest.mark.parametrize("name", EVERYBODY)
-def test_own_programs_may_include_the_patrol(name, tmp_path):
+def test_custom_programs_may_include_the_patrol(name, tmp_path):
     path = tmp_path / "mine.asl"
     path.write_text(f'+gantry_detected(_) <- wave. {{ include("{name}.asl") }}', encoding="utf-8")
     done = []

@@ -22,7 +22,7 @@ NO_PLAN = "no_relevant: Found a goal for which there is no relevant plan: +!work
         ("old, ann", ["[old[source(self)],new[source(self)]]", "old"]),
     ],
 )
-def test_a_plan_is_removed_by_its_label_or_as_it_stands(removed, lines):
+def test_a_plan_is_removed_by_its_label_or_by_its_text(removed, lines):
     body = f".remove_plan({removed}); .relevant_plans({{+!work}}, _, L); .print(L); !work"
     assert said(body, WORK) == lines
 
@@ -61,7 +61,7 @@ def test_a_plan_stays_until_its_last_source_is_gone():
         ),
     ],
 )
-def test_a_plan_for_every_goal_takes_its_place_among_the_others(body, lines):
+def test_a_plan_for_all_goals_keeps_its_order_among_others(body, lines):
     assert said(body, ANY) == lines
 
 
@@ -77,7 +77,7 @@ def test_a_plan_that_cannot_be_added_is_an_error(plan, message):
     assert message in line
 
 
-def test_a_file_with_mistakes_is_not_included(tmp_path):
+def test_a_file_with_errors_is_not_included(tmp_path):
     (tmp_path / "wrong.asl").write_text("+!work <- .\n")
     (tmp_path / "right.asl").write_text("+!work <- .print(included).\n")
     (tmp_path / "main.asl").write_text(

@@ -51,7 +51,7 @@ def test_telling_and_asking():
     assert agents["ann"].now == 1.0
 
 
-def test_what_is_said_may_be_in_a_namespace():
+def test_messages_may_have_namespaces():
     society, _, log = make(
         {
             "ann": """!go. +!go <- .send(bob, tell, [sea::blue, sea::deep(3)]); .wait(5);
@@ -72,7 +72,7 @@ def test_what_is_said_may_be_in_a_namespace():
     ]
 
 
-def test_taking_back_a_goal():
+def test_unachieve_ends_a_goal():
     society, _, log = make(
         {
             "ann": "!go. +!go <- .send(bob,achieve,w(1)); .wait(5); .send(bob,unachieve,w(_)).",
@@ -83,7 +83,7 @@ def test_taking_back_a_goal():
     assert log == [("bob", "begins")]
 
 
-def test_a_question_may_find_no_answer_in_time():
+def test_a_question_may_time_out():
     _, agents, log = make(
         {"ann": "!go. +!go <- .send(bob,askOne,x(_),A,50); .print(A).", "bob": "a."}
     )
@@ -126,7 +126,7 @@ def test_agents_may_be_added_and_removed_while_the_others_run():
     assert log[2:] == [(2.5, "ann: [ann,cyd]"), (2.5, "cyd: bye")]
 
 
-def test_agents_draw_numbers_of_their_own():
+def test_agents_of_a_society_draw_different_random_numbers():
     def drawn(names, seed=0):
         society, log = bdi.Society(), []
         for name in names:
@@ -148,7 +148,7 @@ def test_agents_draw_numbers_of_their_own():
     assert drawn(["ann"]) == drawn(["bob"]) == three[:1]
 
 
-def test_mail_wakes_up():
+def test_a_message_wakes_an_agent():
     society, agents, _ = make({"ann": "a.", "bob": "+hi <- .print(hi)."})
     society.advance(1.0)
     assert agents["bob"].next_wakeup is None
@@ -168,7 +168,7 @@ def test_mail_wakes_up():
         ),
     ],
 )
-def test_what_cannot_be_sent_or_was_not_expected_fails(message, failure):
+def test_invalid_messages_fail(message, failure):
     society, _, log = make(
         {
             "ann": f"""!go. +!go <- .{message}; .print(no).
@@ -184,7 +184,7 @@ def test_what_cannot_be_sent_or_was_not_expected_fails(message, failure):
     assert end in line
 
 
-def test_messages_to_many_to_oneself_and_of_what_nobody_can_do():
+def test_messages_to_several_agents_to_itself_and_with_unknown_goals():
     society, _, log = make(
         {
             "ann": """!go. +!go <- .all_names(L); .print(L);
@@ -211,7 +211,7 @@ def test_messages_to_many_to_oneself_and_of_what_nobody_can_do():
     ]
 
 
-def test_an_answer_that_nobody_waits_for_any_more_is_nothing():
+def test_a_late_answer_is_ignored():
     society, _, log = make(
         {
             "ann": """!go. +!go <- !ask |&| !drop. +!ask <- .send(bob, askOne, at(_), A); .print(A).
@@ -223,14 +223,14 @@ def test_an_answer_that_nobody_waits_for_any_more_is_nothing():
     assert log == [("ann", "dropped")]
 
 
-def test_alone_there_is_nobody_to_send_to():
+def test_a_message_to_an_unknown_agent_fails():
     lines = printed("""!go. +!go <- .broadcast(tell, x); .all_names(L); .print(L);
             .send(bob, tell, x).
         -!go[error_msg(M)] <- .print(M).""")
     assert lines == ["[human]", "there is no agent 'bob'"]
 
 
-def test_a_name_is_taken_once():
+def test_two_agents_of_a_society_cannot_have_the_same_name():
     society, _, _ = make({"ann": "a."})
     with pytest.raises(ValueError, match="two agents have the name 'ann'"):
         bdi.Agent(bdi.parse("b."), name="ann", society=society)
@@ -240,7 +240,7 @@ def test_a_name_is_taken_once():
 
 
 @pytest.mark.parametrize("time", [math.nan, math.inf])
-def test_time_that_is_no_instant_is_refused(time):
+def test_invalid_times_are_rejected(time):
     society = bdi.Society()
     agent = bdi.Agent(bdi.parse("p."), society=society)
     with pytest.raises(ValueError, match="expected a time in seconds"):

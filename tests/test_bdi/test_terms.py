@@ -53,7 +53,7 @@ TERMS = st.one_of(VALUES, NUMBERS, FORMULAS, FORMULAS.map("f({})".format)).map(p
 
 
 @given(TERMS)
-def test_what_is_written_is_read_again(term):
+def test_a_printed_term_parses_to_the_same_term(term):
     again = parse_term(text_of(term))
     assert again == term
     assert hash(again) == hash(term)
@@ -61,7 +61,7 @@ def test_what_is_written_is_read_again(term):
 
 
 @given(TERMS)
-def test_a_term_can_be_made_equal_to_its_copies(term):
+def test_a_term_unifies_with_its_copies(term):
     assert unify(term, parse_term(text_of(term)), {})
     copy = rename(term, Names(), {})
     assert len(variable_names(copy)) == len(variable_names(term))
@@ -78,7 +78,7 @@ def test_only_variables_are_bound(term):
 
 
 @given(TERMS, TERMS)
-def test_the_order_has_two_directions(one, other):
+def test_the_standard_order_is_antisymmetric(one, other):
     assert compare(one, other) == -compare(other, one)
 
 
@@ -105,7 +105,7 @@ def test_the_order_has_two_directions(one, other):
         ('"s"', "s", False),
     ],
 )
-def test_unification(one, other, unifies):
+def test_terms_unify_as_in_jason(one, other, unifies):
     assert unify(parse_term(one), parse_term(other), {}) is unifies
 
 
@@ -125,7 +125,7 @@ def test_python_values_become_terms(value, made):
     assert said == [made]
 
 
-def test_programs_of_other_processes_hash_as_those_made_here():
+def test_a_program_has_the_same_hash_after_pickling_in_another_process():
     text = "at(dock, 2)[source(self)]. !go. +!go : at(X, _) <- walk(X)."
     made = bdi.parse(text)
     send = f"import bdi, pickle, sys; made = bdi.parse({text!r})"
@@ -185,7 +185,7 @@ def matches(pattern, args):
 
 
 @given(st.lists(CHANGES, max_size=40))
-def test_beliefs_are_found_in_order_whatever_came_and_went(changes):
+def test_beliefs_are_found_in_order_after_any_changes(changes):
     base, plain = BeliefBase(), List()
     for how, args, source in changes:
         literal = bdi.Literal("b", args, (source,))
@@ -244,7 +244,7 @@ def _values(formula: Term, found: Unifier | None) -> str:
 
 
 @pytest.mark.parametrize("seed", range(25))
-def test_contexts_have_the_answers_of_the_search(seed: int) -> None:
+def test_compiled_contexts_have_the_solutions_of_the_search(seed: int) -> None:
     random = Random(seed)
     agent = bdi.Agent(bdi.parse(_program(random)))
     logic: Logic = agent._state.logic
@@ -272,7 +272,7 @@ def test_contexts_have_the_answers_of_the_search(seed: int) -> None:
             assert first == [*searched, "none"][0] or "_" in first
 
 
-def test_lists_are_arguments_of_literals_and_read_by_iteration():
+def test_python_lists_become_arguments_and_lists_are_iterable():
     seen = []
     program = bdi.parse("+path(L) <- .print(L); .send_on(L).".replace(".send_on", "send_on"))
     printed = []
@@ -288,11 +288,11 @@ def test_lists_are_arguments_of_literals_and_read_by_iteration():
     assert list(last) == [bdi.Literal("b"), next(iter(bdi.Literal("p", ([],)).args))]
 
 
-def test_a_literal_with_a_list_equals_the_one_that_is_parsed():
+def test_a_literal_with_a_list_equals_the_parsed_one():
     assert bdi.Literal("p", ([1, ["x"]],)) == bdi.parse_literal('p([1,["x"]])')
 
 
 @pytest.mark.parametrize("value", [None, {"a": 1}, object()])
-def test_what_is_no_term_is_refused_as_an_argument(value):
+def test_an_argument_that_is_no_term_is_rejected(value):
     with pytest.raises(TypeError, match="a term must be"):
         bdi.Literal("p", ([value],))

@@ -48,7 +48,7 @@ def test_pending_has_one_instance(copied):
 
 
 @pytest.mark.parametrize("copied", COPIES)
-def test_an_agent_says_why_it_cannot_be_copied(copied):
+def test_copying_an_agent_raises_an_error_with_the_reason(copied):
     agent = bdi.Agent(PROGRAM)
     with pytest.raises(TypeError, match=r"bdi\.Agent\(agent\.program, …\)"):
         copied(agent)

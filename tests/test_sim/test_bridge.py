@@ -606,6 +606,45 @@ def test_a_rejected_message_is_one_line_with_its_topic_and_value(topic, message,
             assert word in line
 
 
+def test_a_flood_and_a_killed_client_disturb_nobody_else(tmp_path):
+    recording, again = sim.Recording(tmp_path / "first"), sim.Recording(tmp_path / "second")
+    text = HALL.replace("personality: external", "personality: indifferent").replace(
+        "duration: 40", "duration: 400"
+    )
+    with served(sim.Trial.parse(text), recording, speed=2.0) as session:
+        with Client(session.url) as listener, Client(session.url) as flooding:
+            listener.subscribe("/clock", queue_length=1000)
+            killed = Client(session.url).__enter__()
+            killed.subscribe("/clock", "/odom", "/scan")
+            killed.publish("/goal_pose", **goal_of(15.0, 4.0))
+            killed.settle()
+            killed.socket.socket.shutdown(socket.SHUT_RDWR)
+            for k in range(1000):
+                flooding.publish("/cmd_vel", linear={"x": 0.001 * k})
+            stamps = [listener.message("/clock")["clock"] for _ in range(30)]
+        tenths = [stamp["sec"] * 10 + stamp["nanosec"] // 100_000_000 for stamp in stamps]
+        assert tenths == list(range(tenths[0], tenths[0] + 30))
+        session.stop()
+        run = session.workcell.simulation.finish()
+    recording.finish(run)
+    assert {command.call for command in run.trial.commands} == {"move_to", "twist"}
+    repeated = sim.Simulation(run.trial, again)
+    repeated.advance(run.duration)
+    again.finish(repeated.finish())
+    assert in_bytes(tmp_path / "second") == in_bytes(tmp_path / "first")
+
+
+def test_a_clock_that_goes_back_is_reported_and_the_time_of_the_agent_goes_on():
+    notices, a_trial = [], trial("indifferent")
+    agent = RemoteAgent("ws://127.0.0.1:1", a_trial, a_trial.people[0], notice=notices.append)
+    times = []
+    for t in (4.5, 5.0, 2.0, 3.0):
+        agent._tick({"clock": {"sec": int(t), "nanosec": round(t % 1 * 1e9)}})
+        times.append(agent._now)
+    assert times == [4.5, 5.0, 5.0, 6.0]
+    assert notices == ["/clock goes back from 5 s to 2 s"]
+
+
 def test_two_publishers_of_one_topic_are_reported_once():
     with served(sim.Trial.parse(HALL), hold=True) as session:
         with Client(session.url) as one, Client(session.url) as other:
