@@ -19,6 +19,7 @@ from .commands.fields import fields
 from .commands.new import new
 from .commands.plan import benchmark, plan
 from .commands.results import app as plot, export, metrics, render
+from .commands.ros2 import ros2
 from .commands.run import replay, run
 from .commands.search import search
 from .commands.study import report, study
@@ -68,6 +69,7 @@ app.command()(study)
 app.command()(search)
 app.command()(report)
 app.command()(bridge)
+app.command()(ros2)
 app.command()(metrics)
 app.command()(export)
 app.command(name="list")(list_all)

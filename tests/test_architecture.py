@@ -35,7 +35,7 @@ ROOMS = (
     ("simulation",),
     ("cell",),
     ("live", "studies", "testing"),
-    ("bridge", "gym", "searches"),
+    ("bridge", "gym", "ros2", "searches"),
     ("commands",),
     ("cli", "pytest_plugin"),
 )

@@ -45,6 +45,7 @@ CALLS = {
     "render": "render run --out film.gif --to 2 --fps 4 --width 200",
     "replay": "replay run --out page.html --no-open",
     "report": "report run --out report.html",
+    "ros2": "ros2 --help",
     "run": "run short.trial.yaml --out another",
     "search": "search drawn.study.yaml --sampler random --evaluations 4 --jobs 1 --below -9",
     "study": "study short.study.yaml --jobs 2 --out studied",

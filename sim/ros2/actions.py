@@ -1,0 +1,90 @@
+"""Actions of ROS that are tasks of the cell: goal, feedback, cancellation and result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.action import CancelResponse, GoalResponse
+from rclpy.task import Future
+
+from ..cell import Running
+from ..cell.tasks import SUCCEEDED
+from .node import CellNode
+
+
+class Action:
+    """Action that starts a task for each goal.
+
+    `start(goal)` returns the task, or raises `Rejected`. `fill(feedback, task)` fills in feedback.
+    The result of a failure has the error code `failed`.
+    """
+
+    def __init__(
+        self,
+        ros: CellNode,
+        name: str,
+        interface: str,
+        *,
+        start: Callable[[Any], Running],
+        fill: Callable[[Any, Running], None],
+        failed: int,
+    ) -> None:
+        self._ros = ros
+        self._name = name
+        self._start = start
+        self._fill = fill
+        self._failed = failed
+        self._accepted: Running | None = None
+        self._running: dict[bytes, tuple[Any, Running]] = {}
+        self._type = ros.provide_action(
+            name,
+            interface,
+            execute_callback=self._execute,
+            goal_callback=self._take,
+            handle_accepted_callback=self._begin,
+            cancel_callback=self._cancel,
+        )
+
+    def publish(self) -> None:
+        """Publish feedback on all goals under way."""
+        for handle, running in self._running.values():
+            feedback = self._type.Feedback()
+            self._fill(feedback, running)
+            handle.publish_feedback(feedback)
+
+    def _take(self, goal: Any) -> GoalResponse:
+        self._accepted = None
+        with self._ros.rejecting(self._name):
+            self._accepted = self._start(goal)
+        return GoalResponse.REJECT if self._accepted is None else GoalResponse.ACCEPT
+
+    def _begin(self, handle: Any) -> None:
+        # rclpy calls this right after it has accepted the goal, before it takes another one.
+        assert self._accepted is not None
+        self._running[bytes(handle.goal_id.uuid)] = (handle, self._accepted)
+        handle.execute()
+
+    def _cancel(self, handle: Any) -> CancelResponse:
+        with self._ros.rejecting(self._name):
+            self._running[bytes(handle.goal_id.uuid)][1].cancel()
+        return CancelResponse.ACCEPT
+
+    async def _execute(self, handle: Any) -> Any:
+        running = self._running[bytes(handle.goal_id.uuid)][1]
+        end: Future = Future()
+        running.on_end(lambda _: end.set_result(None))
+        await end
+        del self._running[bytes(handle.goal_id.uuid)]
+        result, outcome = self._type.Result(), str(running.result)
+        if handle.is_cancel_requested:
+            handle.canceled()
+        elif outcome == SUCCEEDED:
+            handle.succeed()
+        else:
+            handle.abort()
+            self._ros.warn(self._name, outcome)
+            result.error_code = self._failed
+            for text in {"error_msg", "error_string"} & result.get_fields_and_field_types().keys():
+                setattr(result, text, outcome)
+        return result

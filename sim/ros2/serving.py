@@ -1,0 +1,192 @@
+"""Serve a simulation to ROS 2: the node, and its time."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from floorplan import UserError
+
+from ..cell import Cell, Pace
+from ..machines.amr.amr import Amr
+from ..machines.gantry.robot import GantryRobot
+from ..simulation import Simulation
+from .control import Control
+from .frames import Frames, publish_map
+from .machines import GantryJoints, VehicleTopics
+from .monitoring import Markers, Monitoring
+from .navigation import navigation_of
+from .node import CellNode
+from .people import People
+
+try:
+    # Since Kilted. It does not look through all entities of the node before each callback.
+    from rclpy.experimental import EventsExecutor as Executor
+except ImportError:
+    from rclpy.executors import SingleThreadedExecutor as Executor
+
+RATE = 50
+"""Hz, in simulated time: the rate of clock, odometry and transforms."""
+
+SLOWLY = 10
+"""Hz: the rate of scans, people, joints, markers and feedback."""
+
+LONGEST_WAIT = 0.1
+"""Seconds. How soon the server sees that it was stopped."""
+
+DIAGNOSTICS = 1
+"""Hz: the rate of diagnostics."""
+
+
+class RosError(UserError):
+    """A node that ROS cannot start."""
+
+
+def serve(
+    simulation: Simulation,
+    *,
+    domain: int | None = None,
+    namespace: str = "",
+    speed: float = 1.0,
+    step: bool = False,
+    notice: Callable[[str], None] = lambda _: None,
+) -> None:
+    """Serve a simulation to ROS 2 until its trial is over.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Simulation, which is started. The caller finishes it.
+    domain : int, optional
+        Domain of ROS, by default `ROS_DOMAIN_ID`.
+    namespace : str, optional
+        Namespace of topics, services and actions, except `/clock`, `/tf`, `/tf_static` and
+        `/diagnostics`.
+    speed : float, optional
+        Simulated seconds per second.
+    step : bool, optional
+        Advance only by the services of simulation_interfaces.
+    notice : callable, optional
+        Function that gets lines for the user.
+
+    Raises
+    ------
+    RosError
+        If domain or namespace are not valid.
+    """
+    context, signals = rclpy.Context(), SignalHandlerOptions.NO
+    try:
+        rclpy.init(args=[], context=context, domain_id=domain, signal_handler_options=signals)
+        node = rclpy.create_node("floorwalker", namespace=namespace, context=context)
+    except (RuntimeError, ValueError) as why:
+        raise RosError(f"ROS cannot start a node in domain {domain}, {namespace!r}: {why}") from why
+    try:
+        _RosServer(node, simulation, speed, step, notice).run()
+    finally:
+        rclpy.shutdown(context=context)
+
+
+class _RosServer:
+    """Node and pace of a simulation."""
+
+    def __init__(
+        self,
+        node: Node,
+        simulation: Simulation,
+        speed: float,
+        step: bool,
+        notice: Callable[[str], None],
+    ) -> None:
+        self._pace = Pace(simulation, speed=speed, step=step)
+        cell = Cell(simulation, self._pace)
+        ros = self._ros = CellNode(node, notice)
+        self._vehicles = [VehicleTopics(ros, cell, *names) for names in _vehicles(simulation)]
+        frames, monitoring = Frames(ros, cell, self._vehicles), Monitoring(ros, cell)
+        self._state = [
+            frames.publish_clock,
+            frames.publish_vehicles,
+            *(vehicle.publish_odometry for vehicle in self._vehicles),
+            monitoring.publish_events,
+        ]
+        gantries = [
+            GantryJoints(ros, cell, machine)
+            for machine in simulation.machines.values()
+            if isinstance(machine, GantryRobot)
+        ]
+        actions = [action for gantry in gantries for action in gantry.actions]
+        bodies = [f"people/{person.name}" for person in simulation.people]
+        bodies += [f"machines/{name}" for name, _ in _vehicles(simulation)]
+        for body in bodies:
+            actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
+        slowly = [
+            frames.publish_bodies,
+            People(ros, cell, self._advance_by).publish,
+            Markers(ros, cell).publish,
+            *(vehicle.publish_scan for vehicle in self._vehicles),
+            *(each.publish for each in gantries),
+            *(each.publish for each in actions),
+        ]
+        Control(ros, cell, self._pace, partial(self._advance_by, 1 / RATE))
+        publish_map(ros, simulation.trial.floorplan)
+        ros.report_omitted()
+        self._executor = Executor(context=node.context)
+        self._executor.add_node(node)
+        _publish(self._state)
+        self._pace.every(1 / RATE, partial(_publish, self._state))
+        self._pace.every(1 / SLOWLY, partial(_publish, slowly))
+        self._pace.every(1 / DIAGNOSTICS, monitoring.publish_diagnostics)
+        domain = node.context.get_domain_id()
+        notice(f"serving {node.get_fully_qualified_name()} in domain {domain}")
+
+    def run(self) -> None:
+        """Serve until the trial is over or stopped."""
+        pace, look_at = self._pace, 0.0
+        while not pace.over:
+            delay = pace.delay() if self._runs else LONGEST_WAIT
+            self._executor.spin_once(timeout_sec=min(max(delay, 0.0), LONGEST_WAIT))
+            pace.catch_up(LONGEST_WAIT * pace.speed)
+            if time.monotonic() > look_at:
+                look_at = time.monotonic() + LONGEST_WAIT
+                for vehicle in self._vehicles:
+                    vehicle.listen()
+            if self._runs and pace.give_up():
+                self._ros.warn("speed", f"this machine is too slow for --speed {pace.speed:g}")
+        pace.check()
+        _publish(self._state)
+
+    @property
+    def _runs(self) -> bool:
+        """Whether time goes by on its own."""
+        return bool(self._pace.speed) and not self._pace.paused
+
+    def _advance_by(self, seconds: float) -> bool:
+        """Advance by a duration. Return False if time goes by on its own, or the trial is over."""
+        if self._runs or self._pace.over:
+            return False
+        self._pace.step(seconds)
+        return True
+
+
+def _publish(publishers: Iterable[Callable[[], None]]) -> None:
+    for publish in publishers:
+        publish()
+
+
+def _vehicles(simulation: Simulation) -> Iterator[tuple[str, str]]:
+    """Yield name and prefix of each vehicle. One that drives freely alone has no prefix."""
+    free = [name for name, machine in simulation.machines.items() if isinstance(machine, Amr)]
+    for name, machine in simulation.machines.items():
+        if machine.shape.category == "vehicle":
+            yield name, "" if free == [name] else f"{plain(name)}/"
+
+
+def plain(name: str) -> str:
+    """Return a name as ROS allows it."""
+    text = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return text if text[:1].isalpha() else f"body_{text}"

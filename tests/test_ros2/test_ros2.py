@@ -1,0 +1,155 @@
+"""The command `floorwalker ros2` with clients of a real rclpy, each in a process of its own."""
+
+import math
+
+import pytest
+import shapely
+from cells import GANTRY, HANG, antagonist, hall
+
+import sim
+
+pytestmark = pytest.mark.slow
+
+
+def lines(folder, name):
+    return (folder / name).read_bytes()
+
+
+@pytest.mark.messages("people_msgs", "hunav_msgs")
+def test_every_topic_has_its_type(ros):
+    types = {
+        "/clock": "rosgraph_msgs/msg/Clock",
+        "/tf": "tf2_msgs/msg/TFMessage",
+        "/tf_static": "tf2_msgs/msg/TFMessage",
+        "/map": "nav_msgs/msg/OccupancyGrid",
+        "/odom": "nav_msgs/msg/Odometry",
+        "/cmd_vel": "geometry_msgs/msg/TwistStamped",
+        "/scan": "sensor_msgs/msg/LaserScan",
+        "/initialpose": "geometry_msgs/msg/PoseWithCovarianceStamped",
+        "/people": "people_msgs/msg/People",
+        "/human_states": "hunav_msgs/msg/Agents",
+        "/people_poses": "geometry_msgs/msg/PoseArray",
+        "/markers": "visualization_msgs/msg/MarkerArray",
+        "/separation_markers": "visualization_msgs/msg/MarkerArray",
+        "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+        "/events": "std_msgs/msg/String",
+    }
+    with ros.serving(hall()):
+        shown = ros.client("topics", names=[*types])
+    assert {topic: shown[topic] for topic in types} == {k: [v] for k, v in types.items()}
+
+
+def test_a_vehicle_stops_before_a_wall_and_its_scan_shows_the_wall_and_a_person(ros):
+    with ros.serving(hall(), "--speed", "4"):
+        seen = ros.client("drive", speed=1.0)
+    x, y, heading = seen["odom"]
+    assert 5.45 < 2.0 + x < 7.51 and y == pytest.approx(0.0, abs=1e-6)
+    at = shapely.Point(2.0 + x, 6.5 + y)
+    room = shapely.box(0, 0, 20, 12) - shapely.box(8, 6, 12, 7)
+    seen_by_rays = shapely.union(
+        room.boundary, shapely.Point(6, 4).buffer(0.3, quad_segs=5000).exterior
+    )
+    for k, distance in enumerate(seen["ranges"]):
+        angle = heading + seen["first"] + k * seen["step"]
+        far = shapely.Point(at.x + 50 * math.cos(angle), at.y + 50 * math.sin(angle))
+        expected = shapely.intersection(shapely.LineString([at, far]), seen_by_rays).distance(at)
+        assert distance == pytest.approx(expected, abs=1e-3), k
+    assert (seen["rack"], seen["free"]) == (100, 0)
+
+
+@pytest.mark.messages("nav2_msgs")
+@pytest.mark.parametrize(("name", "to"), [("bot", (4.0, 10.0)), ("ann", (16.0, 10.0))])
+def test_navigate_to_pose_leads_to_the_goal(ros, name, to):
+    with ros.serving(hall(), "--speed", "8"):
+        answer = ros.client("navigate", name=name, x=to[0], y=to[1], heading=1.5)
+    assert answer["status"] == "succeeded"
+    assert answer["distances"][-1] < answer["distances"][0]
+    assert math.dist(answer["end"], to) < 1.0
+
+
+@pytest.mark.messages("nav2_msgs")
+@pytest.mark.parametrize("name", ["bot", "ann"])
+def test_a_cancelled_goal_ends_as_cancelled(ros, name):
+    with ros.serving(hall(), "--speed", "2"):
+        answer = ros.client("navigate", name=name, x=16.0, y=10.0, cancel_after=3)
+    assert answer["status"] == "cancelled"
+    assert math.dist(answer["end"], (16.0, 10.0)) > 1.0
+
+
+@pytest.mark.messages("nav2_msgs")
+@pytest.mark.parametrize(("name", "x"), [("bot", 10.0), ("ann", 10.0), ("bot", math.nan)])
+def test_a_goal_in_a_rack_is_rejected_with_one_line(ros, name, x):
+    with ros.serving(hall()) as server:
+        assert ros.client("navigate", name=name, x=x, y=6.5) == {"accepted": False}
+    assert sum(f"{name}/navigate_to_pose" in line for line in server.notices.splitlines()) == 1
+
+
+@pytest.mark.messages("simulation_interfaces")
+def test_lock_step_has_the_events_of_a_run(ros, floorwalker):
+    with ros.serving(antagonist(275), "--step", "--out", "stepped") as server:
+        ros.client("step", count=50, times=275)
+        server.wait(HANG)
+    assert floorwalker("run", "cell.trial.yaml", "--out", "run", cwd=ros.folder).returncode == 0
+    for name in ("events.jsonl", "motions.jsonl"):
+        assert lines(ros.folder / "stepped", name) == lines(ros.folder / "run", name)
+
+
+@pytest.mark.messages("nav2_msgs")
+def test_a_run_that_clients_drove_is_repeated_to_the_byte(ros, floorwalker):
+    with ros.serving(hall(100.0), "--speed", "4", "--out", "driven") as server:
+        ros.client("navigate", name="ann", x=6.0, y=8.0)
+        ros.client("drive", speed=0.8)
+        ros.client("navigate", name="bot", x=3.0, y=9.0, cancel_after=4)
+        server.wait(HANG)
+    words = ("run", "cell.trial.yaml", "--commands", "driven/commands.yaml", "--out", "again")
+    assert floorwalker(*words, cwd=ros.folder).returncode == 0
+    for name in ("events.jsonl", "motions.jsonl"):
+        assert lines(ros.folder / "again", name) == lines(ros.folder / "driven", name)
+
+
+def test_a_gantry_follows_a_trajectory_and_rejects_one_that_is_too_fast(ros):
+    with ros.serving(GANTRY, "--speed", "4") as server:
+        answer = ros.client("trajectory", positions=[1.0, 1.0, 0.0], seconds=8)
+        assert (answer["status"], answer["code"]) == (4, 0)
+        assert answer["joints"] == pytest.approx([1.0, 1.0, 0.0], abs=1e-3)
+        assert not ros.client("trajectory", positions=[-5.0, 1.0, 0.0], seconds=1)["accepted"]
+    assert "follow_joint_trajectory" in server.notices
+
+
+@pytest.mark.messages("hunav_msgs")
+def test_people_walk_in_another_simulator_that_asks_for_them(ros):
+    trial = antagonist(60)
+    with ros.serving(trial, "--step"):
+        seen = ros.client("agents", seconds=20)
+    run = sim.run(sim.Trial.parse(trial))
+    assert seen[0] == seen[1] == {"ann": pytest.approx(run.motions["ann"].position(0.0))}
+    for t, people in enumerate(seen[1:]):
+        assert people["ann"] == pytest.approx(run.motions["ann"].position(float(t)), abs=1e-3)
+
+
+@pytest.mark.messages("people_msgs")
+def test_viewers_see_people_frames_markers_and_the_monitor(ros):
+    with ros.serving(hall()):
+        seen = ros.client("listened")
+    assert seen["people"] == {"ann": [6.0, 4.0]}
+    assert {("map", "odom"), ("odom", "base_link"), ("map", "ann/base"), ("map", "bot/base")} <= {
+        tuple(frame) for frame in seen["frames"]
+    }
+    (state,) = seen["monitor"]
+    assert "ann" in state["name"] and "bot" in state["name"] and state["distance"] > 0
+    assert seen["markers"] > 4
+
+
+def test_bad_commands_are_one_line_each_and_good_ones_still_count(ros):
+    with ros.serving(hall()) as server:
+        assert ros.client("flood")
+    rejected = [line for line in server.notices.splitlines() if line.startswith("cmd_vel")]
+    assert len(rejected) == 1 and "nan" in rejected[0]
+    assert (
+        sum("initialpose" in line and "odom" in line for line in server.notices.splitlines()) == 1
+    )
+
+
+def test_without_rclpy_one_line_explains_how_to_get_it(floorwalker, tmp_path):
+    done = floorwalker("ros2", "ariac2023", cwd=tmp_path)
+    assert done.returncode == 1 and "rclpy" in done.stderr and "setup.bash" in done.stderr
