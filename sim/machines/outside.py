@@ -44,15 +44,15 @@ def written_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:
     return {name: _written(value) for name, value in arguments.items()}
 
 
-def given_arguments(one: object, written: Mapping[str, Any]) -> dict[str, Any]:
+def given_arguments(commanded: object, written: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a method of a machine or person from their plain values."""
     arguments = dict(written)
     if "motion" in arguments:
         arguments["motion"] = Motion(tuple(map(_piece, arguments["motion"])))
     if "action" in arguments:
         arguments["action"] = bdi.parse_literal(arguments["action"])
-    if "task" in arguments and isinstance(one, TaskedMachine):
-        arguments["task"] = one.tasks.numbered(arguments["task"])
+    if "task" in arguments and isinstance(commanded, TaskedMachine):
+        arguments["task"] = commanded.tasks.numbered(arguments["task"])
     return arguments
 
 

@@ -71,9 +71,9 @@ class Scanner:
         return self._walls[height]
 
     def _closures(self, height: float) -> Iterator[Array]:
-        for one in self._stage.active_closures.values():
-            if one.overlaps(height, height):
-                yield from _sides(one.footprint)
+        for closure in self._stage.active_closures.values():
+            if closure.overlaps(height, height):
+                yield from _sides(closure.footprint)
 
     def _machines(self, height: float) -> Iterator[Array]:
         for name, machine in self._stage.machines.items():

@@ -59,7 +59,7 @@ def test_missions_are_done_in_order_through_aisles_and_touch_nothing():
     assert run.summary["machines"]["fork"]["jobs_done"] == 4
 
 
-def test_rounds_begin_every_so_often_or_at_once():
+def test_rounds_begin_at_intervals_or_at_once():
     every = sim.run(long_vehicle("missions: [{wait: 3.0}]\n    every: 20.0"))
     assert [event["t"] for event in events(every, "job_started")] == [0.0, 20.0, 40.0]
     at_once = sim.run(long_vehicle("missions: [{wait: 3.0}]\n    repeat: true", duration=10.0))
@@ -77,7 +77,7 @@ def test_a_cautious_vehicle_keeps_the_distance_by_its_own_motion(controller):
     assert {event["machine"] for event in events(run, "gantry_yielded", "job_done")} == {"fork"}
 
 
-def test_a_vehicle_goes_around_another_that_stands(tmp_path):
+def test_a_vehicle_passes_a_stationary_one(tmp_path):
     text = """
     floorplan: warehouse
     duration: 60
@@ -92,7 +92,7 @@ def test_a_vehicle_goes_around_another_that_stands(tmp_path):
     assert run.motions["fork"].position(done["t"]) == pytest.approx([20.5, 2.0], abs=1e-6)
 
 
-def test_what_appears_on_the_route_is_gone_around():
+def test_a_vehicle_passes_an_obstacle_that_appears_on_its_route():
     text = LONG.format(more="missions: [{go: [8.5, 2.0]}]", duration=90, people="[]") + (
         "obstacles:\n"
         "  pallet: {x: [8.2, 8.8], y: [4.0, 4.5], z: [0.0, 1.0], there: [[2.0, 90.0]]}\n"
@@ -106,7 +106,7 @@ def test_what_appears_on_the_route_is_gone_around():
 
 
 @pytest.mark.parametrize("rotation", [0.1, 2.0, math.pi, -3.0])
-def test_a_vehicle_that_was_held_after_a_turn_goes_on_from_where_it_is(rotation):
+def test_a_vehicle_that_was_held_after_a_turn_continues_from_its_position(rotation):
     text = (
         "floorplan: {boundary: [[0, 0], [24, 0], [24, 6], [0, 6]], stations: {a: [1, 1]}}\n"
         "duration: 40\nmachines:\n"
@@ -119,7 +119,7 @@ def test_a_vehicle_that_was_held_after_a_turn_goes_on_from_where_it_is(rotation)
     assert (np.diff(x) > -1e-9).all() and x[-1] == pytest.approx(20.0)
 
 
-def test_a_blocked_vehicle_says_so_and_goes_on_when_it_can():
+def test_a_blocked_vehicle_records_it_and_continues_later():
     text = LONG.format(more="missions: [{go: [8.5, 2.0]}]", duration=60, people="[]") + (
         "obstacles:\n"
         "  south: {x: [7.6, 9.4], y: [4.0, 4.5], z: [0.0, 1.0], there: [[0.0, 20.0]]}\n"
@@ -133,7 +133,7 @@ def test_a_blocked_vehicle_says_so_and_goes_on_when_it_can():
     assert moved.begin == pytest.approx(20.0)
 
 
-def test_a_held_vehicle_brakes_stands_and_goes_on():
+def test_a_held_vehicle_brakes_waits_and_continues():
     text = LONG.format(more="missions: [{go: [8.5, 2.0]}]", duration=40, people="[]") + (
         "commands: [{time: 3.0, hold: fork}, {time: 9.0, release: fork}]\n"
     )
@@ -217,12 +217,12 @@ def test_a_custom_generator_gives_the_same_commands_as_for_a_gantry(beside):
         ("by_hand", "is no function that returns a twist.*omit rate for a generator"),
     ],
 )
-def test_a_twist_that_can_not_be_ends_the_run(beside, name, message):
+def test_an_invalid_twist_ends_the_run(beside, name, message):
     with pytest.raises(ValueError, match=message):
         sim.run(long_vehicle(f"controller: steer:{name}\n    rate: 10", folder=beside))
 
 
-def test_a_rate_that_is_too_high(beside):
+def test_a_rate_that_is_too_high_is_an_error(beside):
     with pytest.raises(InputError, match="at most 100 Hz, not 1000"):
         long_vehicle("controller: steer:circle\n    rate: 1000", folder=beside)
 
@@ -254,13 +254,13 @@ def test_a_rate_that_is_too_high(beside):
         ("at: [4, 3, 0], max_speed: .nan", "max_speed", ""),
     ],
 )
-def test_invalid_entrances_and_exits_are_errors_before_the_run(entry, field, message):
+def test_invalid_keys_are_errors_before_the_run(entry, field, message):
     found = problems(f"floorplan: warehouse\nmachines:\n  one: {{kind: amr, {entry}}}\n")
     assert len(found) == 1
     assert found[0][0] == f"machines.one.{field}" and message in found[0][1]
 
 
-def test_two_vehicles_in_one_place():
+def test_two_vehicles_in_one_place_are_an_error():
     text = """
     floorplan: warehouse
     machines:
@@ -336,6 +336,6 @@ def test_speed_limits_of_zones_apply_while_the_footprint_covers_them(to):
         assert max(map(abs, pull)) <= 0.7 + 1e-6 and abs(6 * piece.x[3]) <= 3 + 1e-6
 
 
-def test_a_zone_about_others_does_not_slow_a_vehicle():
+def test_a_zone_that_concerns_others_does_not_slow_a_vehicle():
     run = sim.run(sim.Trial.parse(SLOW.format(whom=", concerns: [ann]", to="[28, 4]")))
     assert events(run, "job_done")[0]["t"] < 22

@@ -90,7 +90,7 @@ def test_the_course_of_a_machine_that_was_stopped_leads_to_its_goal(floor):
     assert not area_of(of["cart"].course).covers(shapely.Point(left_at, 0.0))
 
 
-def test_a_way_elsewhere_is_no_course_until_it_leads_to_the_goal(floor):
+def test_a_path_elsewhere_is_no_course_until_it_leads_to_the_goal(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", *FAR)
     of = floor.traffic(cart, other)
     cart.drive((10.0, 0.0, 0.0))
@@ -131,7 +131,7 @@ def test_a_machine_that_is_nearer_already_leaves_with_a_smaller_distance(floor):
     assert of["cart"].waiting is None and cart.body.state.speed > 0.0
 
 
-def test_a_machine_waits_and_goes_on_and_counts_its_time(floor):
+def test_a_machine_waits_continues_and_counts_its_time(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", 6.0)
     of = floor.traffic(cart, other)
     cart.drive((12.0, 0.0, 0.0))
@@ -148,7 +148,7 @@ def test_a_machine_waits_and_goes_on_and_counts_its_time(floor):
     assert cart.times("detour") == [] or min(cart.times("detour")) > since
 
 
-def test_who_waits_until_the_end_has_waited_until_then(floor):
+def test_a_wait_until_the_end_of_the_trial_is_counted(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", 6.0)
     of = floor.traffic(cart, other)
     cart.drive((12.0, 0.0, 0.0))
@@ -159,7 +159,7 @@ def test_who_waits_until_the_end_has_waited_until_then(floor):
     assert floor.of.waiting_times == {"cart": of["cart"].waiting_time, "other": 0.0}
 
 
-def test_a_machine_that_stands_in_the_way_is_asked_to_leave_and_then_gone_around(floor):
+def test_a_stationary_machine_is_asked_to_make_way_before_a_detour(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", 6.0)
     floor.traffic(cart, other)
     cart.drive((12.0, 0.0, 0.0))
@@ -176,7 +176,7 @@ def test_a_machine_that_stands_in_the_way_is_asked_to_leave_and_then_gone_around
     assert set(allowed[:3]) == {5.0} and set(allowed[3:]) == {math.inf}
 
 
-def test_around_whom_a_detour_leads_is_larger_than_its_claim_by_three_margins(floor):
+def test_detours_are_searched_around_claims_with_three_margins(floor):
     cart, other, far = (floor.cart(name, x) for name, x in (("cart", 0), ("other", 6), ("far", 90)))
     floor.traffic(cart, other, far)
     cart.drive((12.0, 0.0, 0.0))
@@ -240,7 +240,7 @@ def two_head_on(floor, **keys):
     return left, right, of
 
 
-def test_machines_that_can_not_evade_are_a_deadlock_at_their_second_look(floor):
+def test_machines_that_cannot_evade_are_a_deadlock_at_their_second_search(floor):
     left, right, _ = two_head_on(floor)
     floor.until(60.0)
     ((t, deadlock),) = floor.recorded("TrafficDeadlock")
@@ -252,7 +252,7 @@ def test_machines_that_can_not_evade_are_a_deadlock_at_their_second_look(floor):
 
 
 @pytest.mark.parametrize("priority", [0, 1])
-def test_who_has_the_lower_rank_is_asked_first_to_evade(floor, priority):
+def test_the_machine_of_lower_rank_is_asked_first_to_evade(floor, priority):
     left, right, _ = two_head_on(floor, priority=priority)
     floor.until(20.0)
     first = [(name, one.times("evade")[0]) for name, one in (("left", left), ("right", right))]
@@ -262,7 +262,7 @@ def test_who_has_the_lower_rank_is_asked_first_to_evade(floor, priority):
     assert left.asked and right.asked
 
 
-def test_who_evades_lets_those_of_a_higher_rank_pass(floor):
+def test_an_evading_machine_lets_machines_of_higher_rank_pass(floor):
     left, right, of = two_head_on(floor)
     rests = max(cart_rests(one, floor) for one in (left, right))
     x = right.body.motion.position(99.0)[0]
@@ -320,7 +320,7 @@ def evading(floor, carts, all_of, k, to=(50.0, 50.0, 0.0)):
     return mine.evade(all_of)
 
 
-def test_a_machine_of_middle_rank_lets_only_those_of_a_higher_one_pass(floor):
+def test_a_machine_of_middle_rank_lets_only_higher_ranks_pass(floor):
     carts, of = claimants(floor, 3, priorities=(2, 1, 0))
     assert evading(floor, carts, of, 1)
     assert set(of[1].lets_pass) == {of[0]}
@@ -337,7 +337,7 @@ def test_the_machine_of_the_highest_rank_gives_up_its_right_of_way(floor):
     assert of[1].lets_pass == {}  # nobody waits until it has passed
 
 
-def test_a_new_goal_ends_the_courtesy(floor):
+def test_a_machine_with_a_new_goal_lets_no_others_pass(floor):
     carts, of = claimants(floor, 2)
     assert evading(floor, carts, of, 1) and of[1].lets_pass
     floor.until(20.0)
@@ -360,7 +360,7 @@ def test_a_machine_evades_once_at_a_time_and_at_rest_only(floor):
     assert len(carts[1].times("evade")) == 6
 
 
-def test_the_courses_of_others_are_kept_free_of_the_passing_place(floor):
+def test_passing_places_are_off_the_courses_of_others(floor):
     carts, of = claimants(floor, 3)
     carts[2].evasion = None
     of[2].evade(of[:2] + of[2:])
@@ -415,7 +415,7 @@ def test_a_machine_makes_way_around_claims_and_off_the_course(floor):
     assert len(idle.asked) == 2  # the first look again, because the other one moves
 
 
-def test_behind_whom_several_wait_they_go_on_one_after_the_other(floor):
+def test_machines_in_a_queue_continue_one_after_the_other(floor):
     first, second, third = (floor.cart(name, x) for name, x in (("a", 0), ("b", 3), ("c", 6)))
     floor.traffic(first, second, third)
     first.drive((20.0, 0.0, 0.0))
@@ -429,7 +429,7 @@ def test_behind_whom_several_wait_they_go_on_one_after_the_other(floor):
     assert len(floor.recorded("MachineProceeds", machine="a")) >= 1
 
 
-def test_one_that_drives_into_a_free_area_is_not_held_by_claims_behind_it(floor):
+def test_a_machine_is_not_held_by_claims_behind_it(floor):
     cart, behind = floor.cart("cart", 0.0), floor.cart("behind", -1.2)
     of = floor.traffic(cart, behind)
     cart.drive((9.0, 0.0, 0.0))
@@ -467,7 +467,7 @@ def courteous(floor):
     return cart, other, of
 
 
-def test_who_lets_another_pass_does_not_cross_its_course(floor):
+def test_a_machine_that_lets_another_pass_does_not_cross_its_course(floor):
     cart, other, of = courteous(floor)
     floor.until(20.0)
     assert cart.waits and cart.body.at[1] < -0.8
@@ -478,7 +478,7 @@ def test_who_lets_another_pass_does_not_cross_its_course(floor):
     assert cart.body.at == pytest.approx((10.0, 5.0))
 
 
-def test_who_has_another_goal_since_is_let_pass_no_longer(floor):
+def test_a_machine_with_a_new_goal_is_no_longer_let_pass(floor):
     cart, other, _ = courteous(floor)
     x = other.body.at[0]
     other.left = ()
@@ -490,7 +490,7 @@ def test_who_has_another_goal_since_is_let_pass_no_longer(floor):
     assert cart.body.at == pytest.approx((10.0, 5.0)) and not cart.waits
 
 
-def test_on_the_way_to_a_passing_place_nobody_is_let_pass(floor):
+def test_on_the_way_to_a_passing_place_no_machine_is_let_pass(floor):
     cart, _, of = courteous(floor)
     of["cart"].state = GivingWay((10.0, 5.0, math.pi / 2))
     floor.until(30.0)
@@ -498,7 +498,7 @@ def test_on_the_way_to_a_passing_place_nobody_is_let_pass(floor):
     assert of["cart"].state == Driving()
 
 
-def test_a_machine_looks_at_once_when_one_of_those_in_its_way_leaves(floor):
+def test_a_machine_searches_at_once_when_a_blocker_leaves(floor):
     cart, near, beside = (
         floor.cart(name, *at)
         for name, at in (("cart", (0.0, 0.0)), ("near", (6.0, 0.5)), ("beside", (6.0, -0.5)))
@@ -520,7 +520,7 @@ def test_a_machine_looks_at_once_when_one_of_those_in_its_way_leaves(floor):
     assert [one.name for one in of["cart"].waiting.blockers] == ["beside"]
 
 
-def test_a_wait_lasts_from_its_begin_however_often_the_controller_tries(floor):
+def test_attempts_of_the_controller_do_not_restart_a_wait(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", 6.0)
     of = floor.traffic(cart, other)
     cart.drive((12.0, 0.0, 0.0))
@@ -548,13 +548,13 @@ def test_a_vehicle_that_keeps_making_way_is_asked_every_five_seconds(floor):
     assert idle.times("make_way") == pytest.approx([rests + 5.0 * k for k in range(5)])
 
 
-def test_an_evasion_without_a_passing_place_lets_nobody_pass(floor):
+def test_an_evasion_without_a_passing_place_lets_no_machine_pass(floor):
     carts, of = claimants(floor, 2)
     assert evading(floor, carts, of, 1, to=None)
     assert of[1].lets_pass == {}
 
 
-def test_whom_a_machine_lets_pass_already_has_a_free_course_too(floor):
+def test_machines_that_are_let_pass_keep_a_free_course(floor):
     carts, of = claimants(floor, 3)
     of[1].lets_pass = {of[2]: of[2].goal}
     assert evading(floor, carts, of[:2], 1)

@@ -48,7 +48,7 @@ def test_a_reaction_begins_after_the_response_time_and_ends_after_the_delay():
     assert one.until(20.0) == [(1.2, "intrusion", "ann"), 7.0]
 
 
-def test_what_was_wrong_for_less_than_the_response_time_counts():
+def test_a_trigger_shorter_than_the_response_time_counts():
     one = Watched()
     one.at(1.0, "intrusion", "ann")
     one.at(1.05, "")
@@ -59,7 +59,7 @@ def test_what_was_wrong_for_less_than_the_response_time_counts():
     assert soon.until(20.0) == [(1.2, "intrusion", "ann"), 1.2]
 
 
-def test_the_first_cause_is_the_one_that_counts():
+def test_the_first_cause_counts():
     one = Watched()
     one.at(1.0, "intrusion", "ann")
     one.at(1.1, "blackout")
@@ -111,7 +111,7 @@ def test_each_approach_of_one_motion_is_notified():
     assert notified == [True, False, True, False]
 
 
-def test_a_machine_stands_before_the_reaction_ends():
+def test_a_machine_rests_before_the_reaction_ends():
     one = Watched(delay=0.01)
     one.at(1.0, "intrusion", "ann")
     one.clock.run(until=1.3)
@@ -261,7 +261,7 @@ def test_a_blackout_in_the_warning_field_stops_without_a_person_and_slows_for_on
     assert {one["person"] for one in events(found, "field_slowdown")} == {"eve"}
 
 
-def test_a_machine_is_stopped_and_slow_for_no_longer_than_events_say():
+def test_times_of_stops_and_slowdowns_agree_with_events():
     warning = "warning: [[4.5, 0.8], [-0.8, 0.8], [-0.8, -0.8], [4.5, -0.8]]"
     people = "[{name: eve, personality: external, at: [15, 3], max_speed: 0.1}]"
     more = "commands: [{time: 25, send: eve, to: [15, 9]}]\n"

@@ -66,7 +66,7 @@ def test_one_machine_with_its_speeds(floorwalker, trial):
         (("--side", "-1"), "side must be 0 or more, not -1.0"),
     ],
 )
-def test_wrong_words_are_rejected(floorwalker, trial, words, message):
+def test_wrong_arguments_are_rejected(floorwalker, trial, words, message):
     done = floorwalker("fields", trial, *words)
     assert done.returncode == 1
     assert done.stderr == f"floorwalker: {message}\n"

@@ -51,7 +51,7 @@ def test_jobs_take_the_time_of_their_moves_and_handling():
     assert run.motions["gantry"].position(100.0) == pytest.approx((-2.27, 4.8))
 
 
-def test_repeating_goes_on_to_the_end():
+def test_repeated_jobs_continue_to_the_end():
     run = sim.run(alone(repeat="true"))
     assert run.summary["jobs_done"] > 6
 
@@ -70,7 +70,7 @@ def test_a_parked_gantry_stays():
     assert np.ptp(run.motions["gantry"].position(np.linspace(0, 120, 99)), axis=0).max() == 0
 
 
-def test_a_gantry_that_is_disabled_stops_stands_and_goes_on():
+def test_a_disabled_gantry_stops_waits_and_continues():
     """An indifferent person walks up to a gantry that keeps moving between two places."""
     trial = sim.Trial.parse(
         """
@@ -105,7 +105,7 @@ gantry:
     assert steps.max() <= math.sqrt(2) * 1e-3 * (1 + 1e-6)
 
 
-def test_violations_that_go_on_count_again_when_the_gantry_runs_again(tmp_path):
+def test_lasting_violations_count_again_when_the_gantry_is_enabled(tmp_path):
     """Somebody whose program does not leave is put into the safe zone by the referee."""
     (tmp_path / "stay.asl").write_text("!stay. +!stay <- .wait(1000); !stay.\n")
     trial = sim.Trial.parse(
@@ -144,7 +144,7 @@ def controller(tmp_path):
     return make
 
 
-def test_a_controller_of_ones_own(controller):
+def test_a_custom_controller_moves_the_gantry(controller):
     name, folder = controller(
         """
 class Shuttle:

@@ -167,7 +167,7 @@ def test_the_warning_field_limits_the_speed(tmp_path, name):
     assert run.summary["field_stops"] == 0
 
 
-def test_a_followed_motion_that_is_too_fast_stands_for_the_warning_field(tmp_path):
+def test_a_followed_motion_that_is_too_fast_is_stopped_by_the_warning_field(tmp_path):
     (tmp_path / "mine.py").write_text(CONTROLLERS)
     fields = FIELDS.replace("[[4.5, 0.8]", "[[4.5, 2.0]")
     keys = "commands: [{time: 30, send: eve, to: [15, 11]}]\n"
@@ -190,7 +190,7 @@ def test_holders_are_counted():
     assert motion.state(49.9).speed == 0.0 and motion.state(51.0).speed > 0.0
 
 
-def test_a_person_who_is_in_the_field_at_the_start_keeps_the_machine_standing():
+def test_a_person_in_the_field_at_the_start_prevents_the_machine_from_starting():
     run = sim.run(
         trial(standing(5, max_speed=1.0), keys="commands: [{time: 10, send: eve, to: [15, 9]}]\n")
     )
@@ -224,7 +224,7 @@ def test_a_turn_on_the_spot_sweeps_the_field_over_a_person():
     assert run.motions["fork"].rotation(stop["t"]) < turned < 3.0
 
 
-def test_muting_by_zone_and_what_its_end_finds():
+def test_muting_by_zone_and_an_intrusion_at_its_end():
     floor = "zones: {dock: {x: [10, 14], y: [0, 6], max_speed: 3.0}}\n"
     fields = ONLY_PROTECTIVE + "    muting: [dock]\n"
     text = on_floor(
@@ -302,7 +302,7 @@ def test_sets_by_load():
     assert {event["set"] for event in events(run, "field_occupied")} == {"all"}
 
 
-def test_stops_of_a_vehicle_say_for_whom_and_other_causes():
+def test_stops_of_a_vehicle_have_persons_and_causes():
     more = "missions: [{wait: 3}, {go: east}]"
     run = sim.run(trial(standing(15), more, ONLY_PROTECTIVE, LEAVES))
     (times,) = (one for one in machine_times(run) if one.machine == "fork")
@@ -353,7 +353,7 @@ def test_gantries_stop_and_slow(controller):
     assert stands[0] < 14.0
 
 
-def test_a_custom_machine_stands_for_both_fields(tmp_path):
+def test_both_fields_stop_a_custom_machine(tmp_path):
     (tmp_path / "own.py").write_text(
         textwrap.dedent(
             """
@@ -454,14 +454,14 @@ WRONG = {
 
 
 @pytest.mark.parametrize("fields", WRONG)
-def test_what_is_wrong_is_said_with_its_field(fields):
+def test_errors_name_the_field(fields):
     with pytest.raises(sim.TrialError) as why:
         trial(fields=f"fields: {{{fields}}}\n")
     assert WRONG[fields] in str(why.value) and "line" in str(why.value)
     assert len(why.value.problems) <= 2
 
 
-def test_fields_that_are_too_short_are_a_notice():
+def test_fields_that_are_too_short_cause_a_notice():
     fields = f"fields: {{fork: {{sets: [{{name: a, protective: {CORNERS}}}]}}}}\n"
     fields = fields.replace("[2,", "[1,")
     short = [notice for notice in trial(fields=fields).notices if "too short" in notice.message]
@@ -519,7 +519,7 @@ def test_velocities_that_cannot_occur_need_no_set(vehicle, sets):
     assert field_notices(vehicle, sets) == []
 
 
-def test_a_velocity_of_a_direction_without_a_set_is_a_notice():
+def test_a_direction_without_a_set_causes_a_notice():
     sets = f"[{{name: ahead, linear: [0, 1.5], direction: [-0.1, 0.1], {WIDE}}}]"
     ((place, message),) = field_notices("max_turn_speed: 0.5", sets)
     assert place == "fields.cart.sets"

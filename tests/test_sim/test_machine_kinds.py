@@ -41,7 +41,7 @@ def recorded(tmp_path_factory):
     return run, folder
 
 
-def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
+def test_a_custom_kind_is_monitored_and_can_be_expected(recorded):
     run, _ = recorded
     assert run.unmet == []
     assert run.summary["machines"]["train"] == {"kind": "tugger", "rounds": 7}
@@ -68,7 +68,7 @@ def test_an_unknown_kind_is_watched_judged_and_expected(recorded):
         sim.run(wrong)
 
 
-def test_the_command_shows_the_figures_of_an_unknown_kind_and_none_of_a_gantry_not_there(
+def test_the_command_prints_figures_of_a_custom_kind_and_not_of_an_absent_gantry(
     tmp_path, floorwalker
 ):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
@@ -87,7 +87,7 @@ def test_the_command_shows_the_figures_of_an_unknown_kind_and_none_of_a_gantry_n
         )
 
 
-def test_an_unknown_kind_is_recorded_and_read_back(recorded):
+def test_a_custom_kind_is_recorded_and_read_back(recorded):
     run, folder = recorded
     back = sim.load_run(folder)
     shape = back.scene.machine("train")
@@ -100,7 +100,7 @@ def test_an_unknown_kind_is_recorded_and_read_back(recorded):
     assert '"name":"train"' in page.replace(" ", "")
 
 
-def test_an_unknown_kind_is_plotted_and_exported(recorded, tmp_path):
+def test_a_custom_kind_is_plotted_and_exported(recorded, tmp_path):
     run, _ = recorded
     pytest.importorskip("matplotlib")
     shown = run.plot.trails()
@@ -110,7 +110,7 @@ def test_an_unknown_kind_is_plotted_and_exported(recorded, tmp_path):
     assert b"train" in (tmp_path / "run.mcap").read_bytes()
 
 
-def test_people_see_an_unknown_kind_and_walk_round_it(tmp_path):
+def test_people_see_a_custom_kind_and_walk_around_it(tmp_path):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     (tmp_path / "looks.asl").write_text(
         '+human_start <- ?machine(train, Kind, X, Y, V); .print(Kind, " ", X, " ", Y);'
@@ -139,7 +139,7 @@ machines:
     assert gap.min() > 0.3 - 1e-3
 
 
-def test_a_protective_stop_holds_an_unknown_kind(recorded):
+def test_a_protective_stop_holds_a_custom_kind(recorded):
     run, _ = recorded
     stopped = sim.run(replace(run.trial, rules=sim.RULE_SETS["protective_stop"], expect={}))
     held = [e for e in stopped.events if e["kind"] == "protective_stop" and e["machine"] == "train"]
@@ -160,14 +160,14 @@ def test_a_protective_stop_holds_an_unknown_kind(recorded):
         ("{course: [[0, 0]]}", "machines.train.kind: no kind"),
     ],
 )
-def test_what_is_wrong_with_a_machine_is_said_where_it_stands(tmp_path, keys, words):
+def test_errors_of_a_machine_have_their_place(tmp_path, keys, words):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     with pytest.raises(sim.TrialError) as refused:
         sim.Trial.parse(f"floorplan: ariac2023\nmachines:\n  train: {keys}\n", folder=tmp_path)
     assert words in str(refused.value)
 
 
-def test_keys_of_a_kind_of_ones_own_are_checked_before_it_moves(tmp_path):
+def test_keys_of_a_custom_kind_are_checked_before_the_run(tmp_path):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     text = "floorplan: ariac2023\nmachines: {train: {kind: 'tugger:Tugger', course: 3}}\n"
     trial = sim.Trial.parse(text, folder=tmp_path)
@@ -294,7 +294,7 @@ class Half(sim.MachineModel):
         ("Half", "is no machine: a machine is a dataclass derived from sim.MachineModel"),
     ],
 )
-def test_a_kind_of_ones_own_that_goes_wrong_is_told_with_its_place(tmp_path, kind, words):
+def test_errors_of_a_custom_kind_have_their_place(tmp_path, kind, words):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     (tmp_path / "own.py").write_text(OWN, encoding="utf-8")
     text = f"floorplan: ariac2023\nduration: 9\nmachines: {{train: {{kind: 'own:{kind}',"
@@ -323,7 +323,7 @@ def test_several_gantries_work_on_one_floor(rules):
     assert disabled == pytest.approx(sum(machines[m]["disabled_time"] for m in ("gantry", "north")))
 
 
-def test_the_least_distance_is_that_to_the_nearest_of_several_gantries():
+def test_the_minimum_separation_is_to_the_nearest_of_several_gantries():
     """The one that comes first is near them, and the other is far away."""
     text = TWO_GANTRIES.format(rules="observe").replace("{name: ada", "{name: ada, at: [-3, 0]")
     run = sim.run(sim.Trial.parse(text.replace("duration: 60", "duration: 3")))
@@ -334,7 +334,7 @@ def test_the_least_distance_is_that_to_the_nearest_of_several_gantries():
     assert run.summary["minimum_separation"] == found
 
 
-def test_a_trial_adds_an_agv_and_a_law_of_its_own():
+def test_a_trial_adds_an_agv_and_a_law():
     trial = sim.Trial.parse(
         """
 floorplan: ariac2023
@@ -364,7 +364,7 @@ def moves_at(run, agv):
     return [(e["t"], e["to"]) for e in run.events if e["kind"] == "agv_moved" and e["agv"] == agv]
 
 
-def test_moves_come_again_and_again_on_every_lane():
+def test_moves_are_repeated_on_every_lane():
     text = """
 floorplan: ariac2023
 duration: 60
@@ -403,7 +403,7 @@ def test_nothing_happens_before_the_start():
     assert len(heard) == 2
 
 
-def test_nobody_starts_anywhere_within_a_machine_of_another_kind(tmp_path):
+def test_people_cannot_start_inside_a_custom_machine(tmp_path):
     """The train covers most of a short hall, and stands where its course begins."""
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     text = """

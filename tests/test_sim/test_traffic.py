@@ -62,7 +62,7 @@ def test_two_head_on_in_a_corridor_use_the_passing_place():
     assert evaded["machine"] == "b" and evaded["to"][1] > 1.6
 
 
-def test_the_one_of_lower_priority_evades():
+def test_the_vehicle_of_lower_priority_evades():
     machines = {
         "a": amr("[1.5, 0.8, 0.0]", "east"),
         "b": amr("[18.5, 0.8, 3.1416]", "west", more=", priority: 1"),
@@ -72,14 +72,14 @@ def test_the_one_of_lower_priority_evades():
     assert {e["machine"] for e in events(found, "machine_evades")} == {"a"}
 
 
-def test_who_is_under_way_for_longer_keeps_its_path():
+def test_the_vehicle_under_way_for_longer_keeps_its_path():
     later = amr("[1.5, 0.8, 0.0]", "east").replace("[{", "[{wait: 2}, {")
     found = run({"a": later, "b": amr("[18.5, 0.8, 3.1416]", "west")}, floor=corridor(8))
     require_arrivals(found, a=2, b=1)
     assert {e["machine"] for e in events(found, "machine_evades")} == {"a"}
 
 
-def test_who_has_the_right_of_way_gives_it_up_if_no_other_can_evade():
+def test_a_vehicle_gives_up_its_right_of_way_if_no_other_can_evade():
     """The passing place is behind a when they meet."""
     machines = {"a": amr("[5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
     found = run(machines, floor=corridor(5))
@@ -101,7 +101,7 @@ def test_a_corridor_without_a_passing_place_is_a_deadlock_of_both():
     assert min(waited.values()) > 60 and found.summary["waiting_time"] == sum(waited.values())
 
 
-def test_who_crosses_waits_and_goes_on():
+def test_a_crossing_vehicle_waits_and_continues():
     machines = {
         "a": amr("[2.0, 6.0, 0.0]", "[18, 6]"),
         "b": amr("[10.0, 1.5, 1.5708]", "[10, 10.5]"),
@@ -140,7 +140,7 @@ def test_a_vehicle_without_missions_makes_way():
     assert blocked["machine"] == "a"
 
 
-def test_a_second_evasion_holds_too():
+def test_a_second_evasion_works_too():
     """The first one ends with a turn to the other side, so at another number of whole turns."""
     text = f"floorplan:\n{textwrap.indent(HALL, '  ')}\nduration: 60\nmachines:\n  a: {{" + amr(
         "[2, 6, 0.0]", "[18, 6, 3.1]"
@@ -265,7 +265,7 @@ def test_functions_of_twists_cannot_drive_into_others(tmp_path):
     assert events(found, "machine_waiting")
 
 
-def test_a_function_can_leave_the_place_where_it_waits(tmp_path):
+def test_a_function_can_drive_away_while_its_vehicle_waits(tmp_path):
     a = 'at: [4, 6, 0.0], controller: "steering:back_when_it_waits", rate: 10'
     found = steered(tmp_path, a, "at: [8, 6, 3.1416], controller: parked", 20)
     assert found.summary["collisions"] == 0
@@ -343,7 +343,7 @@ CORNER_TO_CORNER = "[{x}, {y}, 0]"
 
 @pytest.mark.parametrize("gap", [0.0, 0.001, 0.005, 0.009, 0.010])
 @pytest.mark.parametrize("place", [END_TO_END, SIDE_BY_SIDE, ACROSS, CORNER_TO_CORNER])
-def test_vehicles_that_start_all_but_touching_part(place, gap):
+def test_vehicles_that_start_almost_in_contact_part(place, gap):
     if gap == 0.0 and place in (SIDE_BY_SIDE, ACROSS):
         gap = 1e-4  # at 0 both would stand in one place, but for rounding
     at = place.format(x=5.2 + gap, y=4.8 + gap, x_across=5.0 + gap)

@@ -1,4 +1,4 @@
-"""Vehicles without routes of their own and a stage that only records, for tests of traffic."""
+"""Vehicles without a planner, and a stage that only records, for tests of traffic."""
 
 from types import SimpleNamespace
 
@@ -16,7 +16,7 @@ LIMITS = navigation.VehicleLimits(jerk=10.0)
 
 
 class Cart(Evading):
-    """A vehicle of 1 × 0.6 m that drives where it is told, and answers as a test says."""
+    """A vehicle of 1 × 0.6 m with given paths and answers."""
 
     def __init__(self, clock, name, at, priority=0, **shape):
         keys = {"length": 1.0, "width": 0.6, "top": 0.5, "top_speed": 1.5, **shape}
@@ -38,7 +38,7 @@ class Cart(Evading):
         return self.body.clock.now
 
     def drive(self, *poses, goal=None):
-        """Set out along poses."""
+        """Start to drive along poses, after a stop."""
         self.left, self.to = poses, poses[-1][:2] if goal is None else goal
         self.body.follow(self._path())
 
@@ -50,7 +50,7 @@ class Cart(Evading):
         return navigation.join([stop, path])
 
     def drive_on(self, *poses):
-        """Drive along poses from here without a stop, as one that is under way on this line."""
+        """Drive along poses from here without a stop."""
         self.left, self.to = poses, poses[-1][:2]
         self.body.follow(
             navigation.vehicle_path(self.body.state, self.left, self.now, limits=LIMITS)
@@ -78,18 +78,18 @@ class Cart(Evading):
         return self.can_make_way
 
     def times(self, what):
-        """When it was asked for something, seconds."""
+        """Return the times of its calls of a kind (s)."""
         return [t for kind, t, *_ in self.asked if kind == what]
 
     def covered(self, begin, end):
-        """The area that it covers on its motion."""
+        """Return the area that it covers on its motion."""
         states = [self.body.motion.state(float(t)) for t in np.linspace(begin, end, 120)]
         poses = [self.shape.footprint(state.at, state.position[2]) for state in states]
         return shapely.union_all(poses)
 
 
 class Floor:
-    """Carts with a clock, the events that they record, and their traffic."""
+    """Carts with a clock, their events and their traffic."""
 
     def __init__(self):
         self.clock = Clock()
@@ -102,7 +102,7 @@ class Floor:
         return Cart(self.clock, name, (x, y, rotation), **keys)
 
     def traffic(self, *carts):
-        """Let carts drive among each other; return the claimants by name."""
+        """Start the traffic of carts, and return the claimants by name."""
         self.of = Traffic(self.stage, carts)
         return {one.name: one for one in self.of._claimants}
 
@@ -110,7 +110,7 @@ class Floor:
         self.clock.run(until=t)
 
     def recorded(self, kind, **fields):
-        """Times and events of a kind."""
+        """Return times and events of a kind."""
         return [
             (t, event)
             for t, event in self.events
@@ -120,5 +120,5 @@ class Floor:
 
 
 def area_of(claim):
-    """The union of an area's polygons."""
+    """Return the union of the polygons of an area."""
     return shapely.union_all(claim.parts)

@@ -213,11 +213,11 @@ class LaneDrive(Drive):
             return None
         lane, at, to = self.lane, self.position, self.lane.lane_position(self.to)
         parts: list[tuple[str, Span | None]] = [*self._forbidden]
-        parts += [(one.name, part_behind(lane, one, at, to)) for one in self._gates]
+        parts += [(gate.name, part_behind(lane, gate, at, to)) for gate in self._gates]
         parts += [
-            (one.name, part_within(lane, one.footprint))
-            for one in closures.values()
-            if one.overlaps(0.0, lane.height)
+            (closure.name, part_within(lane, closure.footprint))
+            for closure in closures.values()
+            if closure.overlaps(0.0, lane.height)
         ]
         blocks = [
             ClosedPart(name, q)

@@ -69,7 +69,9 @@ class Amr(PolicyDriven, Evading):
         self.on_contact = on_contact
         self._makes_way = makes_way
         self._missions = tuple(missions)
-        self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
+        self._located = tuple(
+            replace(mission, go=mission.goal(stage.floorplan)) for mission in missions
+        )
         self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
         self._course: tuple[TwistCourse, float, float] | None = None
         """Course of the last twist, its begin and its duration (s)."""

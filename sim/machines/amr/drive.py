@@ -151,7 +151,7 @@ class VehicleDrive(Drive):
     def _motion_changed(self) -> None:
         motion = self.body.motion
         if motion is not self._last_stop:
-            planned = any(motion is one for one in self._previews.values())
+            planned = any(motion is preview for preview in self._previews.values())
             self.planned_at = self._clock.now if planned else -math.inf
 
     def resumed(self, target: Pose, speed_share: float) -> Motion:
@@ -415,8 +415,8 @@ class VehicleDrive(Drive):
         for name in (self._placed | absent) - stage.active_closures.keys() - self._people.keys():
             if name in {body.name for body in world.bodies}:
                 world.remove(name)
-        for one in stage.active_closures.values():
-            world.place(one.name, one.footprint, one.bottom, one.top)
+        for closure in stage.active_closures.values():
+            world.place(closure.name, closure.footprint, closure.bottom, closure.top)
         for name, disc in self._people.items():
             world.place(name, disc)
         self._placed = {*stage.active_closures, *self._people}

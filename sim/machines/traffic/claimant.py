@@ -321,8 +321,8 @@ class Claimant:
 
     def _others_move(self, waiting: WaitingForMachines[Claimant]) -> bool:
         """Request way from other machines, or take a detour. Return whether any machine moves."""
-        stationary = [one for one in waiting.blockers if one.rests and one.waiting is None]
-        if any(one.makes_way_for(self) for one in stationary):
+        stationary = [peer for peer in waiting.blockers if peer.rests and peer.waiting is None]
+        if any(peer.makes_way_for(self) for peer in stationary):
             return True
         if stationary and self._detour_around(stationary[0], waiting):
             return True
@@ -354,17 +354,17 @@ class Claimant:
         if machine is None or not self._may_search():
             return False
         self._forget_passed()
-        others = [one for one in circle if one is not self]
-        higher = [one for one in others if one.rank > self.rank]
+        others = [peer for peer in circle if peer is not self]
+        higher = [peer for peer in others if peer.rank > self.rank]
         kept_free = dict.fromkeys((*others, *self.lets_pass))
-        courses = [polygon for one in kept_free for polygon in one.wide_course]
+        courses = [polygon for peer in kept_free for polygon in peer.wide_course]
         evasion = self._with_margin(lambda taken: machine.evade(taken, courses))
         if evasion is None:
             return False
         self._traffic.stage.record(
             MachineEvades(
                 machine=self.name,
-                for_machine=max(others, key=lambda one: one.rank).name,
+                for_machine=max(others, key=lambda peer: peer.rank).name,
                 to=None if evasion.aside is None else evasion.aside[:2],
             )
         )
@@ -374,7 +374,7 @@ class Claimant:
         assert isinstance(self.state, WaitingForMachines)
         self.state.before = Driving() if evasion.aside is None else GivingWay(evasion.aside)
         if evasion.aside:
-            self.lets_pass |= {one: one.goal for one in higher or others}
+            self.lets_pass |= {peer: peer.goal for peer in higher or others}
         self._proceed()
         return True
 
@@ -393,7 +393,7 @@ class Claimant:
 
     def _forget_passed(self) -> None:
         """Remove the machines that have another goal now."""
-        self.lets_pass = {one: goal for one, goal in self.lets_pass.items() if one.goal == goal}
+        self.lets_pass = {peer: goal for peer, goal in self.lets_pass.items() if peer.goal == goal}
 
     def _may_search(self) -> bool:
         """Return whether it rests, and has not searched for a path at this time."""
@@ -409,7 +409,9 @@ class Claimant:
         """
         for margin in MARGINS:
             if (path := search(self.taken(margin))) is not None:
-                self._margins = tuple(one for one in MARGINS if one < margin) or MARGINS[-1:]
+                self._margins = (
+                    tuple(smaller for smaller in MARGINS if smaller < margin) or MARGINS[-1:]
+                )
                 return path
         return None
 
@@ -433,4 +435,4 @@ class Claimant:
 
     def is_near(self, others: Iterable[Claimant]) -> bool:
         """Return whether its claim is near that of others."""
-        return any(self.claim.gap(one.claim) < NEARBY for one in others)
+        return any(self.claim.gap(peer.claim) < NEARBY for peer in others)

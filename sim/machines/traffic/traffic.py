@@ -32,14 +32,14 @@ class Traffic:
         self._stuck: set[frozenset[Claimant]] = set()
         self._claimants: list[Claimant] = []
         claimants = [Claimant(self, machine, k) for k, machine in enumerate(machines)]
-        for one, other in itertools.combinations(claimants, 2):
-            if may_meet(one.machine.shape, other.machine.shape):
-                one.peers.append(other)
-                other.peers.append(one)
+        for member, other in itertools.combinations(claimants, 2):
+            if may_meet(member.machine.shape, other.machine.shape):
+                member.peers.append(other)
+                other.peers.append(member)
         self._changes.clear()
-        self._claimants = [one for one in claimants if one.peers]
-        for one in self._claimants:
-            one.begin()
+        self._claimants = [member for member in claimants if member.peers]
+        for member in self._claimants:
+            member.begin()
 
     @property
     def waiting_times(self) -> dict[str, float]:
@@ -47,16 +47,16 @@ class Traffic:
 
         Machines whose stop is unknown have their own figures only.
         """
-        return {one.name: one.waiting_time for one in self._claimants if one.stops}
+        return {member.name: member.waiting_time for member in self._claimants if member.stops}
 
     def close(self) -> None:
         """Finish at the end of the trial."""
-        for one in self._claimants:
-            one.close()
+        for member in self._claimants:
+            member.close()
 
     def changed(self, claimant: Claimant) -> None:
         """Check whether the machines that wait for this one can continue."""
-        if any(one.waiting is not None for one in self._claimants):
+        if any(member.waiting is not None for member in self._claimants):
             if not self._changes:
                 clock = self.stage.clock
                 clock.call_at(clock.now, self._reconsider, Turn.MOTION_ENDS)
@@ -69,30 +69,34 @@ class Traffic:
         of it, and the one of the highest rank tries last.
         """
         self._reconsider()  # a machine that can continue is in no cycle
-        waits_for = {one: one.waiting.blockers for one in self._claimants if one.waiting}
+        waits_for = {
+            member: member.waiting.blockers for member in self._claimants if member.waiting
+        }
         circle = circle_of(among, waits_for)
-        if not circle or not all(one.rests for one in circle):
+        if not circle or not all(member.rests for member in circle):
             return False
         behind = [
-            one for one in waits_for if one not in circle and leads_to(one, circle, waits_for)
+            member
+            for member in waits_for
+            if member not in circle and leads_to(member, circle, waits_for)
         ]
         *lower, first = sorted(circle, key=_rank)
-        if any(one.evade(circle) for one in (*lower, *sorted(behind, key=_rank), first)):
+        if any(member.evade(circle) for member in (*lower, *sorted(behind, key=_rank), first)):
             return True
-        peers = {peer for one in circle for peer in one.peers}
-        if any(not one.rests and one.is_near(circle) for one in peers):
+        peers = {peer for member in circle for peer in member.peers}
+        if any(not member.rests and member.is_near(circle) for member in peers):
             return False  # that machine leaves, or makes room
         assert among.waiting is not None
         if among.waiting.looks > 1 and frozenset(circle) not in self._stuck:
             self._stuck.add(frozenset(circle))
             self.deadlocks += 1
-            self.stage.record(TrafficDeadlock(machines=[one.name for one in circle]))
+            self.stage.record(TrafficDeadlock(machines=[member.name for member in circle]))
         return False
 
     def gave_way(self, claimant: Claimant) -> None:
         """End all waits for a machine that has given up its right of way."""
-        for one in self._claimants:
-            one.lets_pass.pop(claimant, None)
+        for member in self._claimants:
+            member.lets_pass.pop(claimant, None)
 
     def proceeded(self, claimant: Claimant) -> None:
         """Count a deadlock of this machine again, because its wait has ended."""
@@ -100,10 +104,12 @@ class Traffic:
 
     def _reconsider(self) -> None:
         changes, self._changes = self._changes, set()
-        waiting = [one for one in self._claimants if one.waiting is not None]
-        for one in sorted(waiting, key=_rank, reverse=True):
-            if one.waiting is not None and not changes.isdisjoint((one, *one.waiting.blockers)):
-                one.reconsider()
+        waiting = [member for member in self._claimants if member.waiting is not None]
+        for member in sorted(waiting, key=_rank, reverse=True):
+            if member.waiting is not None and not changes.isdisjoint(
+                (member, *member.waiting.blockers)
+            ):
+                member.reconsider()
 
 
 def _rank(claimant: Claimant) -> tuple[int, float, int]:

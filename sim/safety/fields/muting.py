@@ -69,8 +69,8 @@ def _inside(
 ) -> list[tuple[float, float]]:
     """Return the time spans (s) in which a motion is within an area."""
     return [
-        (one.begin, one.end)
-        for one in intrusions(area, standing((0.0, 0.0)), motion, POINT, begin, end)
+        (intrusion.begin, intrusion.end)
+        for intrusion in intrusions(area, standing((0.0, 0.0)), motion, POINT, begin, end)
     ]
 
 

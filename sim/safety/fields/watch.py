@@ -72,17 +72,17 @@ class FieldWatch:
         occupied: dict[str, str] = {}
         until: dict[str, float] = {}
         change = math.inf
-        for one in intrusions(
+        for intrusion in intrusions(
             self._fields, machine, person, self._radius, now, end, pair.machine.loaded
         ):
-            if one.end <= now + MOMENT:
+            if intrusion.end <= now + MOMENT:
                 continue
-            if one.begin <= until.get(one.field, now) + MOMENT:
+            if intrusion.begin <= until.get(intrusion.field, now) + MOMENT:
                 # A change of the set does not end the occupation.
-                occupied.setdefault(one.field, one.set)
-                until[one.field] = max(one.end, until.get(one.field, now))
-            elif one.field not in occupied:
-                change = min(change, one.begin)
+                occupied.setdefault(intrusion.field, intrusion.set)
+                until[intrusion.field] = max(intrusion.end, until.get(intrusion.field, now))
+            elif intrusion.field not in occupied:
+                change = min(change, intrusion.begin)
         # An intrusion up to the horizon lasts until a motion changes.
         change = min([change, *(t for t in until.values() if t < end)])
         return occupied, None if change == math.inf else change
