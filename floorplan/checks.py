@@ -1,4 +1,4 @@
-"""Checks that a floorplan is sound: its geometry, its names and the size of its figures."""
+"""Checks of a floorplan: its geometry, its names and the range of its numbers."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from .files.values import SOUND, range_faults, require, require_fields
 from .model import Floor, Gate, Lane, Obstacle, Zone
 
 WIDEST = 1e6
-"""Metres (or radians). No floor is longer, and no lane or axis goes further from its 0: on longer
-paths Ruckig finds no motion."""
+"""Metres or radians. Maximum length of a floor, and largest coordinate of a lane or axis, because
+Ruckig fails on longer paths."""
 
 _TOUCHES = 1e-6
-"""m². An AGV and an obstacle that share no more than this only touch."""
+"""m². Largest area that an AGV and an obstacle share if they only touch."""
 
 _STARTS, _MOST_STARTS = "_starts", 1000
-"""Key under which a floorplan keeps which places are fit to start at, and the most of them."""
+"""Attribute of a floorplan with the cached faults of start positions, and their maximum number."""
 
 ENDS = 0.05
-"""Metres. A gate may end so far from a wall: nobody gets through there."""
+"""Metres. Maximum distance between the end of a gate and a wall, too narrow for a person."""
 
 
 def check(plan: Floor, *, file: str = "") -> None:
@@ -133,7 +133,7 @@ def starting_fault(plan: Floor, at: tuple[float, float], radius: float | None = 
     """
     if SOUND not in vars(plan):
         return _starting_fault(plan, at, radius)
-    # It never changes, and every trial on it asks about the same few places.
+    # Floorplans are immutable, and all trials on a floor use the same few positions.
     known: dict[tuple[float | None, ...], str] = vars(plan).setdefault(_STARTS, {})
     asked = (*at, radius)
     if asked not in known:
@@ -176,7 +176,7 @@ def standing_fault(plan: Floor, at: tuple[float, float], radius: float | None = 
 
 
 def height_fault(obstacle: Obstacle) -> str:
-    """Return the reason why an obstacle can't be so high, or an empty text."""
+    """Return the reason why the heights of an obstacle are invalid, or an empty text."""
     if obstacle.bottom < obstacle.top:
         return ""
     return f"must rise from bottom to top: {obstacle.bottom:g} … {obstacle.top:g}"
@@ -195,7 +195,7 @@ def _name_faults(plan: Floor) -> Iterator[Fault]:
         for name, count in Counter(all_names).items():
             if count > 1:
                 yield f"{count} of them have this name", (*place, name)
-    # These are told apart by name where paths are planned.
+    # Path planning identifies these by name.
     taken = {*names["obstacles",], *names["agvs", "lanes"]}
     for place in (("doors",), ("zones",), ("gates",)):
         for name in taken.intersection(names[place]):
@@ -283,7 +283,7 @@ def _gate_faults(plan: Floor) -> Iterator[Fault]:
 
 
 def _loose_gate_faults(plan: Floor) -> Iterator[Fault]:
-    """Yield the ends of gates that people would walk round."""
+    """Yield the ends of gates that people could walk around."""
     if not plan.one_ways:
         return
     walls = plan.free(0.0, plan.human.height).boundary
@@ -320,7 +320,7 @@ def _sweep_faults(lane: Lane, plan: Floor) -> Iterator[Fault]:
 
 
 def _figure_faults(plan: Floor) -> Iterator[Fault]:
-    """Yield every figure of `plan` that is too small or too large to work with."""
+    """Yield the numbers of `plan` that are out of range."""
     west, south, east, north = plan.boundary.bounds
     if max(east - west, north - south) > WIDEST:
         yield f"is more than {WIDEST:,.0f} m long", ("boundary",)
@@ -344,6 +344,6 @@ def _range(ends: tuple[float, float], *place: str) -> Iterator[Fault]:
 
 
 def _sizes(thing: object, *place: str) -> Iterator[Fault]:
-    """Yield the fields of `thing` that must be above 0, and are not."""
+    """Yield the fields of `thing` that are out of range, below `place`."""
     for message, inner in range_faults(thing):
         yield message, (*place, *inner)

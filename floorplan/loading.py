@@ -32,7 +32,7 @@ _Floats = NDArray[np.float64]
 def scaled(plan: Floorplan, metre: float) -> Floorplan:
     """Return `plan`, whose lengths are in a unit of `metre` metres, in metres.
 
-    Measures of people, speeds and accelerations are metres and seconds as they are.
+    Measures of people, speeds and accelerations are in metres and seconds already.
     """
     if metre == 1.0:
         return plan
@@ -51,9 +51,9 @@ def scaled(plan: Floorplan, metre: float) -> Floorplan:
 
 
 def put(plan: Floorplan, origin: Point, rotation: float) -> Floorplan:
-    """Return `plan` with its point `origin` (metres) at (0, 0), turned about it by `rotation`.
+    """Return `plan` with its point `origin` (metres) at (0, 0), rotated by `rotation` (radians).
 
-    The gantry's axes are those of the floor: `ValueError` if it would have to be turned.
+    `UserError` if a gantry would have to be rotated, because its axes are those of the floor.
     """
     if origin == (0.0, 0.0) and rotation == 0.0:
         return plan
@@ -79,13 +79,13 @@ def put(plan: Floorplan, origin: Point, rotation: float) -> Floorplan:
 
 
 def _turn(angle: float) -> Point:
-    """Return cosine and sine of `angle` (radians); exact at quarters of a turn."""
-    # The cosine of π / 2 as a float is 6e-17: what is square stays square.
+    """Return cosine and sine of `angle` (radians), exact for right angles."""
+    # The cosine of π / 2 is 6e-17 in floating point, which would skew rectangles.
     return round(math.cos(angle), 15), round(math.sin(angle), 15)
 
 
 def _mapped(plan: Floorplan, move: Callable[[_Floats], _Floats]) -> Floorplan:
-    """Return `plan` with all places of it (N, 2) moved; lanes begin where they are moved to."""
+    """Return `plan` with all positions (N, 2) moved. Lanes move with their origins."""
 
     def place(at: Point) -> Point:
         x, y = move(np.array([at], float))[0].tolist()
@@ -166,13 +166,13 @@ _FIELDS = {
     "agvs": "lanes",
     "gantry": "gantry",
 }
-"""Fields of a floor that take the place of the base's, by their keys in a file."""
+"""Fields of a floor that replace those of its base, by their keys in a file."""
 
 
 def corrected(base: Floorplan, schema: FloorplanSchema, metre: float) -> Floorplan:
-    """Return `base` without what is removed, and with what is moved and renamed.
+    """Return `base` with obstacles removed, moved and renamed.
 
-    All by the names that the obstacles have in `base`; distances are in units of `metre` metres.
+    Names are those of the obstacles in `base`. Distances are in units of `metre` metres.
     """
     kept = []
     for obstacle in base.obstacles:
@@ -188,7 +188,7 @@ def corrected(base: Floorplan, schema: FloorplanSchema, metre: float) -> Floorpl
 
 
 def correction_faults(base: Floorplan, schema: FloorplanSchema) -> Iterator[Fault]:
-    """Yield the corrections that are about nothing in `base`, or contradict each other."""
+    """Yield the corrections that match no obstacle of `base`, or contradict each other."""
     names = [obstacle.name for obstacle in base.obstacles]
     removed = set()
     for k, pattern in enumerate(schema.remove):
@@ -210,9 +210,9 @@ def _unknown(name: str, names: Sequence[str]) -> str:
 
 
 def laid_over(base: Floorplan, top: Floorplan, given: Iterable[str]) -> Floorplan:
-    """Return `base` with `top` over it; `given` are the keys that `top` has.
+    """Return `base` with `top` over it. `given` are the keys of `top` in its file.
 
-    If both have something of the same kind and name, that of `top` remains.
+    An entry of `top` replaces one of the same kind and name.
     """
     laid = {_FIELDS[key]: getattr(top, _FIELDS[key]) for key in given if key in _FIELDS}
     return replace(
@@ -237,10 +237,10 @@ BUILT_IN = Path(__file__).parent / "data"
 """Folder of the floorplans that come with Floorwalker."""
 
 FAR_OUT = 5.0
-"""Sizes of a floor. What is farther away from it was probably meant in another unit."""
+"""Distance, in sizes of the floor, beyond which positions are probably in another unit."""
 
 IMAGES = (".pgm", ".png", ".bmp", ".tif", ".tiff")
-"""Suffixes that the image of a ROS map usually has."""
+"""Usual suffixes of the images of ROS maps."""
 
 
 def builtin() -> tuple[str, ...]:
@@ -284,7 +284,9 @@ def load(source: str | Path) -> Floorplan:
         return parse((BUILT_IN / f"{text}.yaml").read_text(encoding="utf-8"), file=text)
     path = Path(source)
     plan = _read(path, None, ())
-    if path.suffix.lower() not in YAML.suffixes:  # those are checked, with the lines of faults
+    if (
+        path.suffix.lower() not in YAML.suffixes
+    ):  # YAML files are checked with the lines of their faults
         check(plan, file=text)
     return plan
 
@@ -313,7 +315,7 @@ def parse(text: str, *, file: str = "<text>") -> Floorplan:
 
 
 def build(document: Document, folder: Path | None = None, name: str = "") -> Floorplan:
-    """Return the floorplan in `document`; `FloorplanError` lists all its problems.
+    """Return the floorplan in `document`. `FloorplanError` lists all problems.
 
     A base is looked up in `folder`, by default the folder of the document. A floorplan without a
     name gets `name`, or the name of the file.
@@ -322,7 +324,7 @@ def build(document: Document, folder: Path | None = None, name: str = "") -> Flo
 
 
 def _read(path: Path, drawn: Drawn | None, above: tuple[Path, ...]) -> Floorplan:
-    """Return the floor in the file at `path`, below the files `above`; it need not be sound."""
+    """Return the floor in a file, which may have faults. Files `above` are based on it."""
     suffix = path.suffix.lower()
     if suffix in YAML.suffixes:
         document = read_yaml(path, FloorplanError)
@@ -338,7 +340,7 @@ def _read(path: Path, drawn: Drawn | None, above: tuple[Path, ...]) -> Floorplan
         read = function(OF_SUFFIX[suffix].reader)
         drawn = drawn or AS_IT_IS
         plan: Floorplan = read(path, drawn)
-        if drawn.boundary is None and suffix != ".dxf":  # which knows its unit
+        if drawn.boundary is None and suffix != ".dxf":  # DXF files have a unit
             notices = size_notices(plan, unit_name(drawn.metre or 1.0))
             plan = replace(plan, notices=(*plan.notices, *notices))
         return plan
@@ -354,7 +356,7 @@ def _read(path: Path, drawn: Drawn | None, above: tuple[Path, ...]) -> Floorplan
 
 
 def _is_ros_map(document: Document) -> bool:
-    """Return whether a YAML document is one of map_server's, by its keys."""
+    """Return whether a YAML document has keys of map_server."""
     return isinstance(document.data, dict) and not {"image", "resolution"}.isdisjoint(document.data)
 
 
@@ -403,7 +405,7 @@ def _masked(schema: FloorplanSchema, folder: Path) -> Iterator[Zone]:
 
 
 def _is_far_out(plan: Floorplan) -> bool:
-    """Return True if places are so far from the floor as lengths are in another unit."""
+    """Return True if positions are so far from the floor that their unit is probably wrong."""
     places = [station.position for station in plan.stations]
     places += [plan.safe_zone.position] if plan.safe_zone else []
     west, south, east, north = plan.boundary.bounds
@@ -418,7 +420,7 @@ def _base(
     folder: Path,
     above: tuple[Path, ...],
 ) -> Floorplan:
-    """Return the floor below, in metres; with this `boundary` if there is one."""
+    """Return the base in metres, with this `boundary` unless it is None."""
     assert schema.base is not None
     name, path = schema.base, folder / schema.base
     given = [key for key in OF_DRAWINGS if key in schema.model_fields_set]
@@ -438,7 +440,7 @@ def _base(
 
 
 def _drawn(schema: FloorplanSchema, boundary: Polygon | None) -> Drawn:
-    """Return how the drawing below is read, by the keys of the floor above it."""
+    """Return the options for reading the base drawing, from the keys of the floor."""
     from .formats.drawings import Drawn, LayerGroup
 
     groups = None
@@ -464,7 +466,7 @@ def _drawn(schema: FloorplanSchema, boundary: Polygon | None) -> Drawn:
 
 
 def _problem(document: Document, message: str, place: Place) -> Problem:
-    """Return a problem at its line, or that of the `base` that it comes from."""
+    """Return a problem at its line, or at that of `base` if it comes from there."""
     problem = document.problem(message, *place)
     if place and place[:2] not in document.lines and ("base",) in document.lines:
         return replace(problem, line=document.lines["base",])

@@ -1,6 +1,7 @@
 """Floorplans as immutable values.
 
-All lengths are metres, angles radians, speeds m/s, heights above the floor; z points up.
+Lengths are in metres, angles in radians, speeds in m/s. Heights are above the floor, and z points
+up.
 """
 
 import math
@@ -39,19 +40,19 @@ DEFAULT_HEIGHT = 3.0
 """Metres. Height of obstacles from formats that have no heights."""
 
 EVERYBODY = ("*",)
-"""Whom a zone concerns where it names nobody."""
+"""People and AGVs whom a zone concerns by default."""
 
 Point = tuple[float, float]
-"""A place on the floor: x, y in metres."""
+"""Position on the floor: x, y in metres."""
 
 Name = Annotated[str, Field(min_length=1)]
-"""A text that is not empty."""
+"""Text that is not empty."""
 
 Called = Annotated[str, Field(alias=CALLED)]
-"""The name of a thing, under which a file has its keys."""
+"""Name of an entry, under which a file has its keys."""
 
 Ends = Annotated[tuple[Pair, Pair], Field(alias="between")]
-"""Both ends (x, y) of a line, in metres."""
+"""Ends (x, y) of a line in metres."""
 
 Concerns = Annotated[
     tuple[str, ...],
@@ -219,7 +220,7 @@ class Zone(ComposedKeys):
 
     @property
     def rule_fault(self) -> str:
-        """Reason why the zone has no rule, or two that contradict each other, or an empty text."""
+        """Reason why the zone has no rule, or contradictory ones, or an empty text."""
         if self.forbidden != (self.max_speed is not None or self.one_way is not None):
             return ""
         return "give forbidden: true, or max_speed (m/s) and one_way (x, y)"
@@ -244,8 +245,8 @@ class Zone(ComposedKeys):
         found = []
         for (ax, ay), (bx, by) in pairwise(at[:2] for at in ring):
             width = math.dist((ax, ay), (bx, by))
-            # The ring goes round counterclockwise, so (dy, -dx) of a side points out of the zone:
-            # people leave it where that is along the direction, and enter where it is against it.
+            # The ring is counterclockwise, so (dy, -dx) of a side points outwards. People leave the
+            # zone where that is along the direction, and enter where it is against it.
             outwards = (by - ay) * c - (bx - ax) * s
             if abs(outwards) > ALONG * width:
                 towards = ((ax + bx) / 2 + c, (ay + by) / 2 + s)
@@ -429,7 +430,7 @@ class Lane(ComposedKeys):
 
     def footprint(self, q: float) -> Polygon:
         """Return the rectangle of the AGV at lane position `q` (metres)."""
-        known: tuple[float, Polygon] | None = vars(self).get("_footprint")  # mostly the same one
+        known: tuple[float, Polygon] | None = vars(self).get("_footprint")  # usually repeated
         if known is None or known[0] != q:
             known = q, rectangle(self.position(q), self.direction, self.length, self.width)
             vars(self)["_footprint"] = known
@@ -437,7 +438,7 @@ class Lane(ComposedKeys):
 
 
 ROUNDING = 1e-9
-"""Metres or radians. A pose this little beyond a limit counts as at it."""
+"""Metres or radians. Tolerance of limits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -520,7 +521,7 @@ class Gantry(ComposedKeys):
 
 
 LEFT_OUT_IF_EMPTY = ("doors", "zones", "gates")
-"""Fields of a floor that recordings have only where there is something."""
+"""Fields of a floor that recordings omit if they are empty."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -614,5 +615,5 @@ class Floor:
 
 
 def free_area(boundary: Polygon, blocked: Collection[Polygon]) -> Polygon:
-    """Return what obstacles with the footprints `blocked` leave free within `boundary`."""
+    """Return the part of `boundary` outside the footprints `blocked`."""
     return boundary.difference(shapely.union_all(blocked))

@@ -1,4 +1,4 @@
-"""Floorplans, and their keys in Floorwalker's own format."""
+"""Floorplans, and how they are written in Floorwalker's own format."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .model import Floor, Lane
 
 
 def floor_keys(plan: Floor) -> Data:
-    """Return the keys of a file in Floorwalker's own format from which `plan` is read again."""
+    """Return the keys of `plan` in Floorwalker's own format."""
     zone = plan.safe_zone
     data: Data = {
         "name": plan.name,
@@ -40,7 +40,7 @@ def floor_keys(plan: Floor) -> Data:
         "zones": {one.name: written(one) for one in plan.zones},
         "gates": {gate.name: written(gate) for gate in plan.gates},
     }
-    # An empty patrol is not the usual one, which is all stations.
+    # By default the patrol has all stations, so that an empty patrol must be written.
     return {
         key: value
         for key, value in data.items()
@@ -49,7 +49,7 @@ def floor_keys(plan: Floor) -> Data:
 
 
 def write_yaml(plan: Floor, path: Path) -> None:
-    """Write `plan` to `path` in Floorwalker's own format; `UserError` if it is too long to read."""
+    """Write `plan` to `path` in Floorwalker's own format. `UserError` if it is too long."""
     text = yaml_text(floor_keys(plan))
     if len(text) > MOST_TEXT:
         reason = f"{len(text):,} characters, and one of more than {MOST_TEXT:,} can't be read"
@@ -58,7 +58,7 @@ def write_yaml(plan: Floor, path: Path) -> None:
 
 
 def _agvs(lanes: Sequence[Lane]) -> Data:
-    """Return the keys that the AGVs share with the first of them, and those of each alone."""
+    """Return the keys that all AGVs share, taken from the first, and the keys of each."""
     keys = {lane.name: written(lane, every=True) for lane in lanes}
     shared = {key: value for key, value in keys[lanes[0].name].items() if key not in OF_ONE_LANE}
     own = {
@@ -73,7 +73,7 @@ def _agvs(lanes: Sequence[Lane]) -> Data:
 
 
 def _svg_path(polygons: list[Polygon], colour: str, fine: float) -> str:
-    """Return the SVG of polygons, whose edges may move by `fine` metres."""
+    """Return the SVG path of polygons, simplified by at most `fine` metres."""
     lines = []
     for polygon in shapely.simplify(polygons, fine).tolist():
         for ring in (polygon.exterior, *polygon.interiors):
@@ -83,10 +83,10 @@ def _svg_path(polygons: list[Polygon], colour: str, fine: float) -> str:
 
 
 USUAL = 0.05
-"""Metres. Length of a cell where nothing else is asked for."""
+"""Metres. Default size of a cell."""
 
 FINEST = 1e-4
-"""Metres. Least length of a cell."""
+"""Metres. Minimum size of a cell."""
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)

@@ -574,7 +574,9 @@ class Simulation(InProgress):
         if workload is None or gantry is None:
             return None
         from .orders.dispatcher import Dispatcher  # most trials have no orders
+        from .orders.workload import Workload
 
+        assert isinstance(workload, Workload)
         return Dispatcher(self._stage, workload, gantry, self._work_is_done, self.trial.seed)
 
     def _make_guards(self) -> dict[str, FieldGuard]:

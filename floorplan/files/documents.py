@@ -1,4 +1,4 @@
-"""YAML documents: loaded safely with the line of every value, and written."""
+"""YAML documents: loaded safely with the line of each value, and written."""
 
 from __future__ import annotations
 
@@ -23,30 +23,30 @@ from .reading import read_text
 
 
 def safe_loader(text: str) -> Any:
-    """Return a safe loader of `text`: PyYAML's, with LibYAML's parser where PyYAML has it.
+    """Return a safe YAML loader for `text`.
 
-    LibYAML is five times as fast. Nodes are composed in Python in any case, where nesting too
-    deep is an error and not the end of the process.
+    It uses LibYAML's parser if available, which is five times as fast. Nodes are composed in Python
+    in any case, so that too deep nesting raises an error instead of a crash.
     """
     return _WithLibYaml(text) if yaml.__with_libyaml__ else _Plain(text)
 
 
 MOST_VALUES = 300_000
-"""Most values of a document: a floor of 10,000 obstacles has 100,000."""
+"""Maximum number of values in a document. A floor of 10,000 obstacles has 100,000."""
 
 HUGE = 10**1000
-"""Largest whole number: Python would refuse to write one of 4,300 digits out again."""
+"""Largest whole number. Python refuses to print one of 4,300 digits."""
 
 
 class _Counting(Composer):
-    """Composes nodes, and stops where they are too many: `ValueError`."""
+    """Composer that raises `UserError` if there are too many nodes."""
 
     def __init__(self) -> None:
         Composer.__init__(self)
         self._values = 0
 
     def descend_resolver(self, parent: yaml.Node | None, index: object) -> None:
-        """Count a value: PyYAML calls this for each node, to resolve tags by path.
+        """Count a value. PyYAML calls this for each node, to resolve tags by path.
 
         Keys have no index.
         """
@@ -64,11 +64,11 @@ def too_many() -> str:
 
 
 class _Resolver(Resolver):
-    """Takes -.5 for a number, too, as YAML 1.1 does."""
+    """Resolver that also reads -.5 as a number, like YAML 1.1."""
 
 
 class _Constructor(SafeConstructor):
-    """Constructs values; errors have the line of the value."""
+    """Constructor whose errors have the line of the value."""
 
 
 def _placed(construct: Callable[[Any, yaml.Node], Any]) -> Callable[[Any, yaml.Node], Any]:
@@ -76,7 +76,7 @@ def _placed(construct: Callable[[Any, yaml.Node], Any]) -> Callable[[Any, yaml.N
         try:
             value = construct(loader, node)
         except (AttributeError, LookupError, OverflowError, TypeError, ValueError):
-            # So PyYAML's constructors end where a tag promises what is not there: `!!bool maybe`.
+            # PyYAML's constructors raise these if a value does not match its tag: `!!bool maybe`.
             tag, text = node.tag.rpartition(":")[2], str(node.value)
             raise _misfit(node, f"{text[:60]!r} is not what its tag (!!{tag}) says") from None
         if isinstance(value, int) and abs(value) > HUGE:
@@ -91,7 +91,7 @@ def _misfit(node: yaml.Node, message: str) -> ConstructorError:
 
 
 def _decimal(construct: Callable[[Any, yaml.Node], Any]) -> Callable[[Any, yaml.Node], Any]:
-    """Return a constructor that takes 10:30 for text: to YAML 1.1 it is a number of base 60."""
+    """Return a constructor that reads 10:30 as text. In YAML 1.1 it is a number of base 60."""
 
     def constructed(loader: Any, node: yaml.Node) -> Any:
         return node.value if ":" in str(node.value) else construct(loader, node)
@@ -126,24 +126,24 @@ if yaml.__with_libyaml__:
 
 
 MOST_TEXT = 4_000_000
-"""A longer document (in characters) is refused: it would take minutes to look at."""
+"""Maximum number of characters of a document. Longer ones take minutes to parse."""
 
 UNWRITABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
-"""Characters that are refused, though an escape in YAML can give them: names of files and JSON have
-no lone surrogates, and a terminal obeys control characters."""
+"""Rejected characters. Names of files and JSON cannot have lone surrogates, and terminals interpret
+control characters."""
 
 _Schema = TypeVar("_Schema", bound=BaseModel)
 
 
 @dataclass(frozen=True)
 class Document:
-    """The values of a YAML file, and the line each of them stands on."""
+    """Values of a YAML file, with their lines."""
 
     file: str
     data: Any = field(repr=False)
     lines: dict[Place, int] = field(repr=False)
     at: Place = ()
-    """Place of the values in the file, if they are not all of it."""
+    """Place of the values in the file, if this is a part of it."""
 
     def part(self, key: str) -> Document:
         """Return the values of an outermost key as a document."""
@@ -151,7 +151,7 @@ class Document:
         return Document(self.file, self.data[key], lines, (*self.at, key))
 
     def problem(self, message: str, *place: str | int) -> Problem:
-        """Return a problem at the value that `place` leads to, or the nearest value around it."""
+        """Return a problem at the value with this `place`, or at the nearest value around it."""
         known = place
         while known and known not in self.lines:
             known = known[:-1]
@@ -160,7 +160,7 @@ class Document:
     def checked(
         self, schema: type[_Schema], error: type[InputError], context: Any = None
     ) -> _Schema:
-        """Return the values as `schema`; every misfit at once in one `error`.
+        """Return the values as a `schema`. Raise an `error` with all problems.
 
         Pydantic's validators get the `context`.
         """
@@ -181,12 +181,12 @@ class Document:
 
 
 def read_yaml(path: Path, error: type[InputError]) -> Document:
-    """Return the document in the YAML file at `path`; `error` if it isn't one."""
+    """Return the document in the YAML file at `path`. Raise `error` if it is invalid."""
     return parse_yaml(read_text(path, error), str(path), error)
 
 
 def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
-    """Return the document in `text`, the contents of `file`; `error` if it isn't one."""
+    """Return the document in `text`, the contents of `file`. Raise `error` if it is invalid."""
     if len(text) > MOST_TEXT:
         message = f"is longer than {MOST_TEXT:,} characters, which is more than anybody writes"
         raise error.of(file, message)
@@ -213,7 +213,7 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
         reason = " ".join(part for part in (why.problem, why.context) if part)
         if mark and re.match(r"[ -]*\t", "".join(text.splitlines()[mark.line : mark.line + 1])):
             reason = "a tab begins this line; indent it by spaces"
-        if "maximum nesting depth" in reason:  # LibYAML 0.2.6 has a limit of its own
+        if "maximum nesting depth" in reason:  # limit of LibYAML 0.2.6
             reason = "it is nested too deeply"
         # LibYAML marks the end of a text as the line after the last.
         line = min(mark.line + 1, len(text.splitlines())) if mark else None
@@ -230,11 +230,11 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
 def _survey(
     node: yaml.Node, place: Place, lines: dict[Place, int], above: frozenset[int]
 ) -> list[Problem]:
-    """Note the line of every value under `node`, and return the problems with its keys."""
+    """Add the lines of all values under `node`, and return the problems of its keys."""
     if id(node) in above:
         return [Problem("an alias (*) to something that contains it", field_name(place))]
     if len(lines) > MOST_VALUES:
-        raise UserError(too_many())  # aliases count each time
+        raise UserError(too_many())  # because each use of an alias counts
     lines.setdefault(place, node.start_mark.line + 1)
     if isinstance(node, yaml.ScalarNode) and (odd := UNWRITABLE.search(node.value)):
         problem = f"a text can't have the character U+{ord(odd.group()):04X}"
@@ -266,7 +266,7 @@ def _kind(value: object) -> str:
 
 
 def yaml_text(data: Any) -> str:
-    """Return `data` as YAML: outermost keys on separate lines, innermost values on one."""
+    """Return `data` as YAML with outermost keys on separate lines and innermost values on one."""
     text: str = yaml.dump(
         data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
     )
@@ -274,14 +274,14 @@ def yaml_text(data: Any) -> str:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes every value where it stands: files without anchors and aliases are easier to read."""
+    """Dumper without anchors and aliases, which make files harder to read."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Write `data` out even if it has been before."""
+        """Return True, so that repeated values are written again."""
         return True
 
     def represent(self, data: Any) -> None:
-        """Write `data`: the outermost keys on separate lines, innermost values on one line."""
+        """Write `data` with the outermost keys on separate lines and innermost values on one."""
         node: Any = self.represent_data(data)
         node.flow_style = False
         self.serialize(node)

@@ -24,15 +24,17 @@ from .forms import composed, has_fields
 from .problems import UserError
 
 LARGEST = 1e10
-"""Largest number in a file, in its unit: every reader rejects larger ones on entry. Unix times fit.
-Beyond it, rounding loses steps of a millimetre or a millisecond."""
+"""Largest number in a file, in its unit. Readers reject larger ones.
+
+Unix times are smaller. Beyond it, rounding loses steps of a millimetre or a millisecond.
+"""
 
 SMALLEST = 1e-6
-"""Smallest figure of those that must be above 0, in its unit: at less, nothing ever arrives."""
+"""Smallest positive number in a file, in its unit."""
 
 
 def size_fault(value: float) -> str:
-    """Return the reason why `value` can be no length, speed or duration, or an empty text."""
+    """Return the reason why `value` is no length, speed or duration, or an empty text."""
     if SMALLEST <= value <= LARGEST:
         return ""
     if 0 < value < SMALLEST:
@@ -41,7 +43,7 @@ def size_fault(value: float) -> str:
 
 
 def time_fault(value: float) -> str:
-    """Return the reason why `value` can be no instant of a trial (seconds), or an empty text."""
+    """Return the reason why `value` is no time of a trial (s), or an empty text."""
     if 0 <= value <= LARGEST:
         return ""
     return f"must be a time from 0 to {LARGEST:g} s, not {value!r}"
@@ -55,14 +57,14 @@ def is_figure(value: object) -> bool:
 
 
 def are_figures(values: ArrayLike) -> NDArray[np.bool_]:
-    """Return which of some `values` are from -`LARGEST` to `LARGEST`, in their shape."""
+    """Return a mask of the `values` from -`LARGEST` to `LARGEST`, in their shape."""
     with np.errstate(invalid="ignore"):
         fit: NDArray[np.bool_] = np.abs(np.asarray(values, dtype=float)) <= LARGEST
     return fit
 
 
 def figure(text: str) -> float:
-    """Return the number in `text`, NaN if it is none from -`LARGEST` to `LARGEST`."""
+    """Return the number in `text`, or NaN if it is no number from -`LARGEST` to `LARGEST`."""
     try:
         value = float(text)
     except ValueError:
@@ -71,7 +73,7 @@ def figure(text: str) -> float:
 
 
 LARGEST_ANGLE = 2 * tau
-"""Radians. Larger ones in a file are taken for degrees."""
+"""Radians. Larger angles in a file are probably degrees."""
 
 
 def _checked_size(value: float) -> float:
@@ -88,7 +90,7 @@ def _checked_angle(value: float, info: ValidationInfo) -> float:
 
 
 class Reads:
-    """Annotation that says in pydantic's own terms how a value is read.
+    """Annotation with the pydantic schema of a value.
 
     Fields share one schema, which is computed once. `fault` returns the reason why a number given
     in Python is out of range, or an empty text.
@@ -103,7 +105,7 @@ class Reads:
 
 
 class Expected:
-    """Annotation of the types that a value has in a file, with a `hint` for errors."""
+    """Annotation of the types of a value in a file, with a `hint` for errors."""
 
     def __init__(self, hint: str, *types: type) -> None:
         self._types = types
@@ -128,9 +130,9 @@ class Expected:
 
 
 class Fits:
-    """Annotation of a rule for a value, whether it is read from a file or given in Python.
+    """Annotation of a rule for values from files and from Python.
 
-    `fault` returns the reason why a value does not fit, or an empty text. None always fits.
+    `fault` returns the reason why a value breaks the rule, or an empty text. None is always valid.
     """
 
     def __init__(self, fault: Callable[[Any], str]) -> None:
@@ -151,41 +153,43 @@ _NOT_NEGATIVE = float_schema(strict=True, ge=0, le=LARGEST, allow_inf_nan=False)
 _PAIR = tuple_schema([_NUMBER, _NUMBER])
 
 Number = Annotated[float, Reads(_NUMBER)]
-"""A field of a file: a number from -`LARGEST` to `LARGEST`."""
+"""Number from -`LARGEST` to `LARGEST`."""
 
 Positive = Annotated[
     float, Reads(no_info_after_validator_function(_checked_size, _POSITIVE), size_fault)
 ]
-"""A field of a file: a number from 1e-6 to `LARGEST`."""
+"""Number from 1e-6 to `LARGEST`."""
 
 Angle = Annotated[float, Reads(with_info_after_validator_function(_checked_angle, _NUMBER))]
-"""A field of a file: an angle in radians, of two turns at most."""
+"""Angle in radians of at most two turns."""
 
 NotNegative = Annotated[float, Reads(_NOT_NEGATIVE, time_fault)]
-"""A field of a file: a number from 0 to `LARGEST`."""
+"""Number from 0 to `LARGEST`."""
 
 Flag = Annotated[bool, Reads(bool_schema(strict=True))]
-"""A field of a file: true or false."""
+"""True or false."""
 
 
-def whole(least: int | None = None, most: int | None = None) -> Reads:
-    """Return the annotation of a field of a file: a whole number from `least` to `most`."""
+def whole(
+    least: int | None = None, most: int | None = None, fault: Callable[[int], str] | None = None
+) -> Reads:
+    """Return the annotation of a whole number from `least` to `most`, with its own `fault`."""
 
-    def fault(value: int) -> str:
+    def too_small(value: int) -> str:
         short = least is not None and value < least
         return f"must be {least} or more, not {value!r}" if short else ""
 
-    return Reads(int_schema(strict=True, ge=least, le=most), fault)
+    return Reads(int_schema(strict=True, ge=least, le=most), fault or too_small)
 
 
 Pair = Annotated[tuple[float, float], Reads(_PAIR)]
-"""A field of a file: two numbers from -`LARGEST` to `LARGEST`."""
+"""Two numbers from -`LARGEST` to `LARGEST`."""
 
 
 Position = Annotated[
     tuple[float, float], Reads(_PAIR), Expected("a position [x, y] in metres", list, tuple)
 ]
-"""A field of a file: a position (x, y) in metres."""
+"""Position (x, y) in metres."""
 
 
 def _rising(pair: tuple[float, float]) -> tuple[float, float]:
@@ -195,11 +199,11 @@ def _rising(pair: tuple[float, float]) -> tuple[float, float]:
 
 
 Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_rising, _PAIR))]
-"""A field of a file: [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
+"""Range [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
 
 
 KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True, arbitrary_types_allowed=True)
-"""How a dataclass is read that is a part of a file: unknown keys are refused."""
+"""Pydantic configuration of dataclasses in files, which rejects unknown keys."""
 
 
 SHOWN = 60
@@ -207,7 +211,7 @@ SHOWN = 60
 
 
 def brief(value: Any) -> str:
-    """Return a dataclass in few words: the fields that differ from their defaults, abbreviated."""
+    """Return a short text of a dataclass: abbreviated fields that differ from defaults."""
     shown = []
     for field in fields(value):
         made = field.default_factory
@@ -220,15 +224,15 @@ def brief(value: Any) -> str:
 
 
 class Keyed:
-    """Base of dataclasses whose fields are the keys of a part of a file; unknown keys are refused.
+    """Base of dataclasses whose fields are the keys of a part of a file.
 
-    Made in Python they are plain dataclasses. Their annotations say how a file is read.
+    In Python they are plain dataclasses. Files with unknown keys are rejected.
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = KEYS
 
     def __init_subclass__(cls) -> None:
-        """Shorten the representation. `dataclass` leaves one that is there already unchanged."""
+        """Shorten the representation. `dataclass` does not replace an existing one."""
         super().__init_subclass__()
         cls.__repr__ = brief  # type: ignore[method-assign]
 
@@ -245,9 +249,9 @@ class ComposedKeys:
 
 
 class Strictly(BaseModel):
-    """A part of a file in which unknown keys are refused.
+    """Base of pydantic models for parts of files. It rejects unknown keys.
 
-    Modules of such parts don't postpone their annotations: pydantic would compile each of them.
+    The modules of such models do not postpone annotations, because pydantic would compile each.
     """
 
     model_config = ConfigDict(

@@ -76,13 +76,17 @@ class _Keys(dict[str, Any]):
 
 
 class Key(NamedTuple):
-    """Key of a file, the dataclass field that it gives, and the type and default of its value."""
+    """Key of a file, the dataclass field that it gives, and the type and default of its value.
+
+    Fields that are not `compared` are not in files.
+    """
 
     name: str
     field: str
     kind: Any
     composed: Composed | None
     default: Any
+    compared: bool
 
 
 @cache
@@ -96,7 +100,8 @@ def fields_of(form: type) -> tuple[Key, ...]:
         composed = next((mark for mark in marks if isinstance(mark, Composed)), None)
         make = field.default_factory
         default = field.default if make is MISSING else make()
-        keys.append(Key(alias, field.name, hints[field.name], composed, default))
+        kind = hints[field.name]
+        keys.append(Key(alias, field.name, kind, composed, default, field.compare))
     return tuple(keys)
 
 
@@ -118,7 +123,7 @@ def form_keys(form: type) -> Iterator[tuple[str, Any]]:
 
 
 def forms(kind: object) -> Iterator[type]:
-    """Yield the models and dataclasses in a type: those of a union, of a list's elements."""
+    """Yield the models and dataclasses in a type, including options of unions and elements."""
     if isinstance(kind, type) and (issubclass(kind, BaseModel) or dataclasses.is_dataclass(kind)):
         yield kind
     inner = get_args(kind)
@@ -147,7 +152,7 @@ def called(entries: Any) -> Any:
 
 
 def has_fields(context: Any) -> bool:
-    """Return whether the values that are validated have the names of fields, not of keys."""
+    """Return whether the validated values have the names of fields instead of keys."""
     return bool(context) and BY_FIELDS in context
 
 

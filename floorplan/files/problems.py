@@ -1,4 +1,4 @@
-"""Problems of users' files with their places, and validation errors in plain words."""
+"""Problems of files with their places, and validation errors in plain words."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .forms import keys_below
 _Error = TypeVar("_Error", bound="InputError")
 
 MOST_SHOWN = 20
-"""Most problems in the text of an error; it says how many more there are."""
+"""Maximum number of problems in the text of an error."""
 
 LONGEST = 600
-"""Most characters of one problem in the text of an error."""
+"""Maximum number of characters of a problem in the text of an error."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +48,17 @@ class Problem:
 
 
 def clipped(text: str, most: int = LONGEST) -> str:
-    """Return `text` at a length that people read: values of files may be endless."""
+    """Return `text`, shortened to `most` characters."""
     return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def shown(value: object) -> str:
-    """Return `value` as a message shows it."""
+    """Return the short representation of `value` for messages."""
     return clipped(repr(value), 60)
 
 
 def metres(value: float, below: float = math.inf) -> str:
-    """Return a length with three decimals, or more if it is small or only just `below` another."""
+    """Return a length with three decimals, or more if it is small or just less than `below`."""
     texts = (f"{value:.{decimals}f}" for decimals in range(3, 18))
     fit = (t for t in texts if abs(float(t) - value) <= 5e-3 * abs(value) and float(t) < below)
     return next(fit, f"{value:g}")
@@ -111,30 +111,30 @@ class FloorplanError(InputError):
 
 
 def suggestion(name: str, known: Iterable[object]) -> str:
-    """Return a hint for a `name` that is none of `known`: the nearest of these, or all."""
+    """Return a hint for an unknown `name`: the most similar known name, or all of them."""
     names = [str(one) for one in known]
     near = difflib.get_close_matches(name, names, 1)
     return f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names)}"
 
 
 def refuse(about: str, faults: Iterable[Fault], error: type[InputError]) -> None:
-    """Raise `error` with all `faults` of `about`, which no file holds, if there are any."""
+    """Raise `error` with all `faults` of a value called `about`, if there are any."""
     problems = [Problem(message, field_name(place)) for message, place in faults]
     if problems:
         raise error(about, problems)
 
 
 Place: TypeAlias = tuple[str | int, ...]
-"""The keys and indices that lead to a value."""
+"""Keys and indices that lead to a value."""
 
 Fault: TypeAlias = tuple[str, Place]
-"""A problem with a value, and the value's place."""
+"""Message about a value, and its place."""
 
 EXPONENT = re.compile(r"[-+]?[0-9.]+[eE][-+]?[0-9]+")
-"""Numbers that YAML 1.1 takes for text, unless they have a point and a sign."""
+"""Numbers with exponents that YAML 1.1 reads as text."""
 
 MOST_MISFITS = 1_000
-"""Most misfits of one value that are looked at."""
+"""Maximum number of errors of pydantic that are reported."""
 
 EXPECTED = {
     "bool_type": "true or false",
@@ -158,7 +158,7 @@ EXPECTED = {
     "too_short": "a list of at least {min_length}",
     "tuple_type": "a list",
 }
-"""Expected values, by pydantic's name for the misfit. Patterns are those of names alone."""
+"""Expected values by pydantic's error types. Patterns are those of names."""
 
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 MISSING = ("missing", "missing_argument")
@@ -175,14 +175,14 @@ FORMS = (
     "string_type",
     "tuple_type",
 )
-"""Misfits of a value that has not the form at all; where it may have several, others may fit."""
+"""Error types of values of a wrong type. Another option of a union may accept them."""
 
 
 def misfits(error: ValidationError, form: type, data: object) -> list[Fault]:
-    """Return what is wrong with `data`, which is no `form` by `error`, each with its place.
+    """Return the faults of `data`, which pydantic rejected as a `form`, with their places.
 
-    `form` is a model of pydantic's or a dataclass. A value that may have several forms is judged by
-    those that it comes nearest to.
+    `form` is a pydantic model or a dataclass. For unions, the faults are those of the most similar
+    option.
     """
     found = [
         (_place(one["loc"], data, one["type"] in MISSING), dict(one))
@@ -197,7 +197,7 @@ def misfits(error: ValidationError, form: type, data: object) -> list[Fault]:
     faults: dict[Fault, None] = {}
     for place, one in found:
         if one["type"] == "value_error" and place in above:
-            continue  # keys may not fit together because one of them is misspelt
+            continue  # because a misspelt key also breaks rules about several keys
         if one["type"] not in FORMS:
             faults[_message(one, form), place] = None
         elif place in others:
@@ -206,7 +206,7 @@ def misfits(error: ValidationError, form: type, data: object) -> list[Fault]:
 
 
 def field_name(place: Place) -> str:
-    """Return `place` as people write it: `people[0].start` for `("people", 0, "start")`."""
+    """Return `place` as text, such as `people[0].start` for `("people", 0, "start")`."""
     text = ""
     for part in place:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
@@ -214,9 +214,9 @@ def field_name(place: Place) -> str:
 
 
 def _place(location: Place, data: Any, missing: bool) -> Place:
-    """Return `location` without the parts that only name one of several forms of a value.
+    """Return `location` without the names of options of unions.
 
-    A `missing` key at its end stays, though it isn't there.
+    A `missing` key at its end remains, although it is not in the data.
     """
     place: Place = ()
     for k, part in enumerate(location):
@@ -230,7 +230,7 @@ def _place(location: Place, data: Any, missing: bool) -> Place:
 
 
 def _message(misfit: dict[str, Any], form: type) -> str:
-    """Return what is wrong with a value that has the form that it should have."""
+    """Return the message about a value of the right type."""
     kind = misfit["type"]
     if kind in MISSING:
         return "is missing"
@@ -251,7 +251,7 @@ def _expected(misfit: dict[str, Any]) -> str:
 
 
 def _wrong_form(misfit: dict[str, Any], forms: Iterable[str]) -> str:
-    """Return what is wrong with a value that has none of the forms that it may have."""
+    """Return the message about a value of a wrong type."""
     *others, last = dict.fromkeys(forms)
     message = f"expected {', '.join(others)} or {last}" if others else f"expected {last}"
     found = misfit["input"]

@@ -1,7 +1,7 @@
-"""Reading of users' files: regular files only, of limited size.
+"""Reading of regular files with limited size.
 
-A named pipe would block for ever, and a device never ends. What a shell hands over (`/dev/stdin`,
-or `/dev/fd/63` for `<(command)`) is read like a file.
+A named pipe could block forever, and a device is endless. Files that a shell passes (`/dev/stdin`,
+or `/dev/fd/63` for `<(command)`) are read like regular files.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from typing import BinaryIO
 from .problems import InputError, Problem
 
 LARGEST_DOCUMENT = 16_000_000
-"""Bytes of a document that people write: a floor of 10,000 obstacles takes 1 MB or so."""
+"""Bytes. Maximum size of a document. A floor of 10,000 obstacles takes 1 MB."""
 
 LARGEST_RECORDED = 1_000_000_000
-"""Bytes of a recorded file: 24 hours of one person take some 20 MB."""
+"""Bytes. Maximum size of a recorded file. 24 hours of one person take 20 MB."""
 
 LARGEST_LINE = 64_000_000
-"""Bytes of one line of a recorded file: a motion of 100,000 pieces takes 20 MB."""
+"""Bytes. Maximum length of a line of a recorded file. A motion of 100,000 pieces takes 20 MB."""
 
 _CHUNK = 1 << 20
 
@@ -39,7 +39,7 @@ _KINDS = {
 
 
 def is_there(path: Path) -> bool:
-    """Return whether there is something at `path`; False for a name that no file can have."""
+    """Return whether `path` exists. It is False for names that files cannot have."""
     try:
         return path.exists()
     except (OSError, ValueError):
@@ -47,14 +47,14 @@ def is_there(path: Path) -> bool:
 
 
 def is_file(path: Path) -> bool:
-    """Return whether there is a regular file at `path`; False for a name that no file can have."""
+    """Return whether `path` is a regular file. It is False for names that files cannot have."""
     return is_there(path) and path.is_file()
 
 
 def read_bytes(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT) -> bytes:
     """Return the contents of the file at `path`.
 
-    `error` if it can't be read, is no regular file, or has more than `most` bytes.
+    Raise `error` if it cannot be read, is no regular file, or has more than `most` bytes.
     """
     with _opened(path, error) as file:
         chunks: list[bytes] = []
@@ -68,10 +68,7 @@ def read_bytes(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT
 
 
 def read_text(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT) -> str:
-    """Return the UTF-8 text of at most `most` bytes in a file; `error` as for `read_bytes`.
-
-    A byte order mark, with which spreadsheets begin their CSV, is left out.
-    """
+    """Return the UTF-8 text of a file without its byte order mark. See `read_bytes`."""
     text = _decoded(read_bytes(path, error, most), path, error).removeprefix("\ufeff")
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
@@ -79,7 +76,7 @@ def read_text(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT)
 def read_lines(path: Path, error: type[InputError], *, torn: bool = False) -> Iterator[str]:
     """Yield the lines of the recorded UTF-8 file at `path`, without their ends.
 
-    With `torn`, a last line that has no end is left out. `error` says why the file can't be read.
+    With `torn`, a last line without an end is omitted. Raise `error` if the file cannot be read.
     """
     with _opened(path, error) as file:
         size = number = 0
@@ -98,7 +95,7 @@ def read_lines(path: Path, error: type[InputError], *, torn: bool = False) -> It
 
 
 def require_readable(path: Path, error: type[InputError], most: int) -> None:
-    """Check that `path`, which others open, is a file of at most `most` bytes; else `error`."""
+    """Raise `error` unless `path` is a readable file of at most `most` bytes."""
     with _opened(path, error) as file:
         if os.fstat(file.fileno()).st_size > most:
             raise error.of(path, f"is larger than the {_megabytes(most)} it may have")
@@ -108,7 +105,7 @@ def require_readable(path: Path, error: type[InputError], most: int) -> None:
 def _opened(path: Path, error: type[InputError]) -> Iterator[BinaryIO]:
     try:
         kind = stat.S_IFMT(path.stat().st_mode)
-    except (FileNotFoundError, ValueError):  # or a name that no file can have
+    except (FileNotFoundError, ValueError):  # or the name is invalid
         raise error.of(path, "there is no such file") from None
     except OSError as why:
         raise error.of(path, f"can't be read: {why.strerror}") from None

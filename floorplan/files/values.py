@@ -1,4 +1,4 @@
-"""Dataclass values made in Python: type checks of their fields, and tuples indexed by name."""
+"""Values made in Python: checks of dataclass fields, and tuples indexed by name."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ Thing = TypeVar("Thing", bound=_HasName)
 
 
 SHOWN = 5
-"""Names that a tuple of named things shows."""
+"""Maximum number of names in the representation of a tuple."""
 
 
 class Named(tuple[Thing, ...]):
-    """A tuple that also accepts the names of its elements: `stations["dock"]`.
+    """Tuple that also accepts the names of its elements, as in `stations["dock"]` or with `in`.
 
-    A name may also stand before `in`. `KeyError` that suggests a name where there is none; of
-    several with one name, the first is meant.
+    If several elements have a name, it means the first. `KeyError` for an unknown name suggests
+    another.
     """
 
     __slots__ = ()
@@ -87,7 +87,7 @@ class Named(tuple[Thing, ...]):
 
 
 class NamedField(Generic[Thing]):
-    """Field of a dataclass that is set by any sequence, and read as `Named`."""
+    """Dataclass field that accepts any sequence and returns a `Named` tuple."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
@@ -99,12 +99,12 @@ class NamedField(Generic[Thing]):
         return held
 
     def __set__(self, value: object, things: Sequence[Thing]) -> None:
-        # What is no sequence is left for `check` to refuse, with the field's name.
+        # `check` rejects other types with the name of the field.
         vars(value)[self._name] = Named(things) if isinstance(things, list | tuple) else things
 
     @classmethod
     def __get_pydantic_core_schema__(cls, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        # Pydantic puts what it has read into the value's dictionary, past `__set__`.
+        # Pydantic sets the dictionary of an object without `__set__`.
         read = handler(types.GenericAlias(tuple, (*get_args(kind), ...)))
         return core_schema.no_info_after_validator_function(Named, read)
 
@@ -115,20 +115,20 @@ _PLAIN: dict[Any, tuple[Any, str]] = {
     str: (str, "text"),
     bool: (bool | np.bool_, "True or False"),
 }
-"""Values that count as a plain type, and the name of that type. Whole numbers are numbers."""
+"""Accepted classes for each plain type, and its name. Whole numbers are numbers."""
 
 SOUND = "_sound"
-"""Mark of a floorplan that was checked: it never changes, so once is enough."""
+"""Attribute of a floorplan that was checked. It is immutable, so that one check is enough."""
 
 _FIT = "_fit"
-"""Mark of a value that never changes, and of which the fields were found to be of their types."""
+"""Attribute of an immutable value whose fields are valid."""
 
 
 def require(value: object, kind: type, reader: str = "", name: str = "") -> None:
-    """Check that `value` is a `kind`; `TypeError` says what it is instead.
+    """Raise `TypeError` unless `value` is a `kind`.
 
-    It also names the `reader` of such values where `value` may be the name of a file. The kind is
-    called by its `name` where that is not the one its users know.
+    If `value` may be the name of a file, the message suggests its `reader`. `name` replaces the
+    name of the kind.
     """
     if not isinstance(value, kind):
         message = f"expected {name or _article(kind)}, found {shown(value)}"
@@ -185,7 +185,7 @@ def _field_faults(value: Any) -> Iterator[_Misfit]:
 
 
 def _never_changes(value: Any) -> bool:
-    """Return whether a value is frozen throughout: only then all in it can be hashed."""
+    """Return whether a value is deeply frozen, because only then it can be hashed."""
     try:
         hash(value)
     except TypeError:

@@ -1,6 +1,6 @@
-"""Formats of floors: suffixes of files, their readers and writers, and what they cannot hold.
+"""Formats of floors: suffixes of files, readers and writers, and parts that files cannot hold.
 
-Readers and writers are named here and imported when they are used: most runs use one of them.
+Readers and writers are imported when they are used, because most runs need one of them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _BEYOND_SHAPES: _Parts = {
     "zones": lambda plan: plan.zones,
     "one-way gates": lambda plan: plan.gates,
 }
-"""Parts of a floor, and whether it has them."""
+"""Functions that return whether a floor has a part, by the name of the part."""
 
 _BEYOND_ITS_AREA: _Parts = {
     **_BEYOND_SHAPES,
@@ -39,7 +39,7 @@ class FloorFormat:
 
     suffixes: tuple[str, ...]
     reader: str = ""
-    """Function that reads a drawing at a path; YAML files are told apart by `loading`."""
+    """Function that reads a drawing at a path. `loading` distinguishes YAML files."""
     writer: str = ""
     """Function that writes a floor to a path."""
     has_layers: bool = False
@@ -70,7 +70,7 @@ FORMATS = (
     FloorFormat(suffixes=(".map",), reader="formats.movingai.load_drawn_map"),
     FloorFormat(suffixes=(".pgm",), writer="formats.ros_map.write_map", left_out=_BEYOND_ITS_AREA),
 )
-"""All formats. The image of a ROS map stands for both of its files."""
+"""All formats. A ROS map is listed with the suffix of its image."""
 
 YAML, ROS_MAP = FORMATS[0], FORMATS[-1]
 

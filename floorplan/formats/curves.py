@@ -1,4 +1,4 @@
-"""Entities of DXF drawings as corners that stay within a distance of what is drawn."""
+"""Corners of entities of DXF drawings, within a distance of the drawn curve."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 SAGITTA = 1e-3
-"""Metres. How far a drawn curve may be from the corners that stand for it."""
+"""Metres. Maximum distance between a drawn curve and its corners."""
 
 SPLINES = frozenset(("SPLINE", "HELIX"))
 POLYLINES = frozenset(("LWPOLYLINE", "POLYLINE"))
@@ -33,16 +33,16 @@ _FRAME = 16
 """Flag of vertices that only control a spline and are not drawn."""
 
 _QUARTER = 2.73e-4
-"""Error of one cubic Bézier curve for a quarter of a circle, in radii."""
+"""Error of a cubic Bézier curve for a quarter of a circle, in radii."""
 
 _AROUND = 12
-"""Fit points beyond both ends of a closed spline: the influence of each is a quarter of that of
-the one before."""
+"""Number of fit points added at both ends of a closed spline. The influence of each is a quarter
+of that of the previous one."""
 
 _MOST_CORNERS = 1_000_000
 
 _ROUNDS = 12
-"""Most refinements of a spline. Only where it has a gap does it need more."""
+"""Maximum number of refinements of a spline. Splines with gaps would need more."""
 
 _XYZ = attrgetter("xyz")
 
@@ -50,7 +50,7 @@ _XYZ = attrgetter("xyz")
 def corners_of(entity: Any, distance: float) -> Floats:
     """Return the corners (N, 3) of an entity, within `distance` of it in units of the drawing.
 
-    `UserError` if it is too large for that.
+    `UserError` if it is too large.
     """
     from ezdxf.path import make_path
 
@@ -72,7 +72,7 @@ def _array(points: Iterable[Any]) -> Floats:
 
 
 def _require_size(points: Iterable[Any], distance: float) -> None:
-    """Check the size of a curve by its control points; `UserError` if it would take for ever."""
+    """Raise `UserError` if the control points of a curve are too far apart to be flattened."""
     places = _array(points) * (SAGITTA / distance)
     if not (np.abs(places) <= LARGEST).all():
         raise UserError(OUTSIZED)
@@ -81,7 +81,7 @@ def _require_size(points: Iterable[Any], distance: float) -> None:
 
 
 def _segments(entity: Any, distance: float) -> int:
-    """Return how finely ezdxf has to draw the arcs of an entity; 1 for one curve in a quarter."""
+    """Return the number of segments in which ezdxf draws arcs. One is a curve per quarter."""
     kind, dxf = entity.dxftype(), entity.dxf
     angle, count = math.tau, 1
     if kind in ("CIRCLE", "ARC"):
@@ -94,7 +94,7 @@ def _segments(entity: Any, distance: float) -> int:
         bulge = np.maximum(np.abs(points[:, 4]), 1e-6)  # ezdxf draws flatter arcs as lines
         radii = chord * (1 + bulge**2) / (4 * bulge)
         radius = float(np.max(radii, where=points[:, 4] != 0, initial=0.0))
-        angle, count = 4 * math.atan(bulge.max()), 3  # a curve for three segments
+        angle, count = 4 * math.atan(bulge.max()), 3  # one curve per three segments
     else:
         return 1
     # The error falls with the sixth power of the angle, and may be a tenth of the distance.
@@ -113,7 +113,7 @@ def _curve(spline: Any) -> tuple[BSpline, float, float]:
     points = np.array([Vec3(point).xyz for point in spline.fit_points])
     if (points[0] == points[-1]).all():
         points = points[:-1]
-    # The middle of a curve that goes round several times is as smooth at its ends as anywhere.
+    # A curve with several turns is as smooth in its middle turn as at its ends.
     around = points[np.arange(-_AROUND, len(points) + _AROUND + 1) % len(points)]
     chords = np.linalg.norm(np.diff(around, axis=0), axis=1).cumsum()
     begin, end = (chords[[_AROUND - 1, _AROUND + len(points) - 1]] / chords[-1]).tolist()
@@ -121,7 +121,7 @@ def _curve(spline: Any) -> tuple[BSpline, float, float]:
 
 
 def _domain(curve: BSpline) -> tuple[BSpline, float, float]:
-    """Return a curve and its domain: the knots between which all of its control points count."""
+    """Return a curve and its domain, the knots between which all control points have influence."""
     knots = curve.knots()
     return curve, knots[curve.degree], knots[curve.count]
 
@@ -137,7 +137,7 @@ def _spline(curve: BSpline, begin: float, end: float, distance: float) -> Floats
         times = np.interp(np.arange(parts.sum() + 1), [0, *parts.cumsum()], times)
         corners = _array(curve.points(times))
         chords, thirds = np.diff(corners, axis=0), np.diff(times) / 3
-        # At two places, so that a curve that crosses its chord in the middle is seen to leave it.
+        # Test at two parameters, because a curve may cross its chord in the middle.
         away = np.max(
             [
                 _from_line(_array(curve.points(at)) - corners[:-1], chords)
@@ -145,7 +145,7 @@ def _spline(curve: BSpline, begin: float, end: float, distance: float) -> Floats
             ],
             axis=0,
         )
-        # In its middle a parabola is an eighth farther away.
+        # A parabola deviates by an eighth more in its middle.
         parts = np.ceil(np.sqrt(np.minimum(away * 9 / 8 / distance, 64.0**2))).astype(int)
         parts = np.maximum(parts, 1)
         if parts.max(initial=1) == 1:
@@ -154,7 +154,7 @@ def _spline(curve: BSpline, begin: float, end: float, distance: float) -> Floats
 
 
 def _from_line(points: Floats, along: Floats) -> Floats:
-    """Return the distances of `points` (N, 3) from the lines through 0 that go `along` others."""
+    """Return the distances of `points` (N, 3) from lines through 0 in directions `along`."""
     length = np.maximum((along**2).sum(axis=1), 1e-300)
     share = (points * along).sum(axis=1) / length
     distances: Floats = np.linalg.norm(points - share[:, None] * along, axis=1)
@@ -162,7 +162,7 @@ def _from_line(points: Floats, along: Floats) -> Floats:
 
 
 def vertices(polyline: Any) -> Floats:
-    """Return x, y, width at the begin and at the end of the side, and bulge of vertices (N, 5)."""
+    """Return x, y, the widths at begin and end of the side, and the bulge of vertices (N, 5)."""
     dxf = polyline.dxf
     if polyline.dxftype() == "LWPOLYLINE":
         points = np.array(polyline.lwpoints.values, float).reshape(-1, 5)
@@ -183,9 +183,9 @@ def vertices(polyline: Any) -> Floats:
 
 
 def covered(polyline: Any, corners: Floats, distance: float) -> shapely.Geometry | None:
-    """Return the area that a polyline covers by its width, None if it has none.
+    """Return the area of a polyline with width, or None without width.
 
-    `corners` (N, 3) are those of the polyline, within `distance` of it.
+    `corners` (N, 3) are within `distance` of the polyline.
     """
     points = vertices(polyline)
     if not points[:, 2:4].any():
@@ -215,7 +215,7 @@ def _side(polyline: Any, start: Floats, stop: Floats, distance: float) -> Floats
 
 
 def _tapered(line: Floats, begin: float, end: float) -> shapely.Geometry:
-    """Return the area of a line (N, 2) whose width changes steadily from `begin` to `end`."""
+    """Return the area of a line (N, 2) whose width changes linearly from `begin` to `end`."""
     along = np.gradient(line, axis=0) if len(line) > 1 else line
     across = np.column_stack([-along[:, 1], along[:, 0]])
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
@@ -226,9 +226,9 @@ def _tapered(line: Floats, begin: float, end: float) -> shapely.Geometry:
 
 
 def hatch_outlines(hatch: Any, distance: float) -> list[Floats]:
-    """Return the outlines (N, 3) of a hatch; `distance` and errors as those of `corners_of`."""
+    """Return the outlines (N, 3) of a hatch. See `corners_of`."""
     paths = copy.deepcopy(hatch.paths)
-    paths.polyline_to_edge_paths()  # those with bulges
+    paths.polyline_to_edge_paths()  # with bulges
     outlines: list[Floats] = []
     for path in paths:
         if hasattr(path, "edges"):
@@ -241,7 +241,7 @@ def hatch_outlines(hatch: Any, distance: float) -> list[Floats]:
 
 
 def _loops(edges: list[Floats], distance: float) -> Iterator[Floats]:
-    """Yield the outlines of edges (N, 2) that follow each other, each in either direction."""
+    """Yield the outlines of successive edges (N, 2), each in either direction."""
 
     def gap(place: Floats, edge: Floats) -> float:
         return float(np.linalg.norm(edge[[0, -1]] - place, axis=1).min())

@@ -21,16 +21,15 @@ from ..files.problems import Problem, metres, suggestion
 from ..model import DEFAULT_HEIGHT, Obstacle, Point
 
 BOUNDARY = "boundary"
-"""The group of the outline of the floor; without groups, the layer of that name."""
+"""Group with the outline of the floor. Without groups, the layer of that name."""
 
 
 @dataclass(frozen=True)
 class LayerGroup:
-    """Layers by patterns (`A-WALL*`), in capitals or not, and how their shapes are read.
+    """Layers by patterns (`A-WALL*`, ignoring case), and how their shapes are read.
 
-    `z` are the heights of the shapes (metres) instead of the drawn ones. With a `line_width`
-    (metres) every line is a wall of this width. Where it is `hollow`, outlines inside outlines
-    are openings.
+    `z` (metres) replaces the heights of the shapes. With a `line_width` (metres) each line is a
+    wall of this width. If `hollow`, outlines inside outlines are openings.
     """
 
     patterns: tuple[str, ...]
@@ -39,18 +38,18 @@ class LayerGroup:
     hollow: bool = False
 
     def has(self, layer: str) -> bool:
-        """Return whether `layer` is one of them."""
+        """Return whether the group contains `layer`."""
         return any(fnmatchcase(layer.casefold(), one.casefold()) for one in self.patterns)
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """How a drawing is read, where the drawing itself leaves it open.
+    """Options for reading a drawing.
 
-    `metre` is the length of its unit (metres), None for the unit that it gives itself. Without
-    `groups` every layer is one. Ends of lines within `snap` metres of each other meet, by default
-    those that meet no other within `SNAP`. Shapes are left out by their handles. A `boundary`
-    (metres) takes the place of the drawn one.
+    `metre` is its unit in metres, None for the unit in the drawing. Without `groups` every layer is
+    a group. Ends of lines within `snap` metres of each other meet. By default these are ends that
+    meet no other end, within `SNAP`. `leave_out` has the handles of ignored shapes. `boundary`
+    (metres) replaces the drawn one.
     """
 
     metre: float | None = None
@@ -60,7 +59,7 @@ class Drawn:
     boundary: Polygon | None = None
 
     def group_of(self, layer: str) -> str | None:
-        """Return the name of the first group with this layer, None if it is in none."""
+        """Return the name of the first group with this layer, or None."""
         if self.groups is None:
             return BOUNDARY if layer.casefold() == BOUNDARY else layer
         return next((name for name, group in self.groups.items() if group.has(layer)), None)
@@ -70,7 +69,7 @@ class Drawn:
         return LayerGroup(()) if self.groups is None else self.groups[name]
 
     def unmatched(self, layers: Collection[str]) -> Iterator[Problem]:
-        """Yield a problem for each pattern that none of `layers` matches."""
+        """Yield a problem for each pattern that matches none of the `layers`."""
         for name, group in (self.groups or {}).items():
             for pattern in group.patterns:
                 if not any(LayerGroup((pattern,)).has(layer) for layer in layers):
@@ -79,7 +78,7 @@ class Drawn:
 
 
 AS_IT_IS = Drawn()
-"""Reading of a drawing on its own."""
+"""Options for a drawing without a floor above it."""
 
 
 Floats = NDArray[np.float64]
@@ -87,9 +86,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Loose:
-    """A line that bounds no area: its index, a loose end of it, and the distance to the next end.
+    """Line that bounds no area: its index, a loose end, and the distance to the nearest end.
 
-    `gap` is None where its ends meet others, but the lines lead nowhere. All in metres.
+    `gap` is None if its ends meet others, but the lines enclose no area. All in metres.
     """
 
     index: int
@@ -98,7 +97,7 @@ class Loose:
 
 
 def polygons_of(outlines: Sequence[Floats]) -> NDArray[np.object_]:
-    """Return the polygons with these outlines, each of (N, 2) with N of 3 or more, in metres."""
+    """Return the polygons with these outlines, each (N, 2) in metres with N of at least 3."""
     if not outlines:
         return np.empty(0, object)
     corners, of = _joined(outlines)
@@ -107,15 +106,14 @@ def polygons_of(outlines: Sequence[Floats]) -> NDArray[np.object_]:
 
 
 def _joined(lines: Sequence[Floats]) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the corners of all `lines` (N, 2), and of which line each is (N,)."""
+    """Return the corners of all `lines` (N, 2), and the index of the line of each (N,)."""
     return np.concatenate(lines), np.repeat(np.arange(len(lines)), [len(line) for line in lines])
 
 
 def enclosed(lines: Sequence[Floats], snap: float | None) -> tuple[list[Polygon], list[Loose]]:
-    """Return the areas that `lines` (each of (N, 2), metres) enclose, and the loose ones of them.
+    """Return the areas that `lines` (each (N, 2), metres) enclose, and the loose lines.
 
-    Ends within `snap` metres of each other count as one; see `Drawn`. Of two lines that are the
-    same, one counts.
+    Ends within `snap` metres count as one (see `Drawn`). Equal lines count once.
     """
     corners, of = _joined(lines)
     edges = np.searchsorted(of, np.arange(len(lines) + 1))
@@ -126,8 +124,8 @@ def enclosed(lines: Sequence[Floats], snap: float | None) -> tuple[list[Polygon]
     met = shapely.linestrings(corners, indices=of)
     first = _first_of_each(met)
     kept = met[np.array([*first.values()], int)]
-    # Cuts are lines with the same area on both sides, dangles those with a loose end: both enclose
-    # nothing.
+    # Cuts are lines with the same area on both sides, and dangles have a loose end. Neither
+    # encloses an area.
     faces, cuts, dangles, _ = shapely.polygonize_full(kept)
     areas = shapely.polygons(shapely.get_exterior_ring(shapely.get_parts(faces)))
     order = np.lexsort(shapely.bounds(areas).T[::-1])  # by west, south, east and north
@@ -136,18 +134,18 @@ def enclosed(lines: Sequence[Floats], snap: float | None) -> tuple[list[Polygon]
 
 
 def opened(areas: Sequence[Polygon]) -> list[Polygon]:
-    """Return `areas` with those inside others as openings, and those inside openings as areas.
+    """Return `areas` with inner ones as openings, and areas inside openings as areas.
 
-    None of them has a hole: an area with openings comes in pieces, cut through its openings.
+    The results have no holes. An area with openings is cut into pieces through its openings.
     """
     if not areas:
         return []
     distinct = [*dict(zip(_keys(areas), areas, strict=True)).values()]
     tree = shapely.STRtree(distinct)
-    # How many others each area is inside of is its depth; one just inside another is one deeper.
+    # The depth of an area is the number of areas around it.
     inner, outer = tree.query(distinct, predicate="within")
     depth = np.bincount(inner[inner != outer], minlength=len(distinct))
-    # The even-odd rule: inside an odd number of others it is an opening of the one just around it.
+    # By the even-odd rule, an area at an odd depth is an opening of the area around it.
     whole = []
     for k, area in enumerate(distinct):
         if depth[k] % 2 == 0:
@@ -158,7 +156,7 @@ def opened(areas: Sequence[Polygon]) -> list[Polygon]:
 
 
 def pieces_of(areas: Sequence[shapely.Geometry]) -> tuple[NDArray[np.object_], NDArray[np.intp]]:
-    """Return `areas` as polygons without holes, cut across each hole, and which one each is of."""
+    """Return `areas` cut into polygons without holes, and the index of the area of each."""
     pieces, of = np.array(areas, object), np.arange(len(areas))
     while True:
         pieces, part_of = shapely.get_parts(pieces, return_index=True)
@@ -171,11 +169,11 @@ def pieces_of(areas: Sequence[shapely.Geometry]) -> tuple[NDArray[np.object_], N
             return pieces, of
         west, south, east, north = shapely.bounds(pieces[holed]).T
         _, low, _, high = shapely.bounds(shapely.get_interior_ring(pieces[holed], 0)).T
-        # Through the middle of a hole: each half has a hole less, so this ends.
+        # A cut through a hole leaves one hole less in each half, so the loop ends.
         cut = (low + high) / 2
         below = shapely.box(west - 1, south - 1, east + 1, cut)
         above = shapely.box(west - 1, cut, east + 1, north + 1)
-        # Each with a hole makes room for its two halves, which stand in its place.
+        # Replace each area with a hole by its two halves.
         copies = np.repeat(np.arange(len(pieces)), np.where(holed, 2, 1))
         halved = holed[copies]
         halves = np.column_stack([below, above]).ravel()
@@ -184,13 +182,13 @@ def pieces_of(areas: Sequence[shapely.Geometry]) -> tuple[NDArray[np.object_], N
 
 
 def _keys(geometries: Sequence[shapely.Geometry] | NDArray[np.object_]) -> list[bytes]:
-    """Return a key for each of `geometries`: those that are the same have the same."""
+    """Return a key for each of the `geometries`. Equal geometries have equal keys."""
     keys: list[bytes] = shapely.to_wkb(shapely.normalize(geometries)).tolist()
     return keys
 
 
 def _first_of_each(lines: NDArray[np.object_]) -> dict[bytes, int]:
-    """Return the index of the first of all `lines` that are the same, by their keys."""
+    """Return the index of the first of each set of equal `lines`, by their keys."""
     keys = _keys(lines)
     first: dict[bytes, int] = {}
     for k in np.flatnonzero(shapely.length(lines) > 0).tolist():
@@ -199,22 +197,23 @@ def _first_of_each(lines: NDArray[np.object_]) -> dict[bytes, int]:
 
 
 SNAP = 1e-3
-"""Metres. Usual reach of a loose end: coordinates and angles are often written with 3 decimals."""
+"""Metres. Default distance of a loose end to the next one. Coordinates and angles often have 3
+decimals."""
 
 _SAME = 1e-6
-"""Metres. Ends that are closer are one place."""
+"""Metres. Closer ends are the same point."""
 
 
 def _met(ends: Floats, snap: float | None, counted: NDArray[np.bool_]) -> Floats:
-    """Return the `ends` with those that meet in one place.
+    """Return the `ends` with meeting ends at one position.
 
-    Loose are those of the `counted` ends that meet no other one.
+    The `counted` ends that meet no other end are loose.
     """
     points = shapely.points(ends)
     tree = shapely.STRtree(points)
     one, other = tree.query(points, predicate="dwithin", distance=_SAME if snap is None else snap)
     first = _connected(len(ends), one, other)
-    # Loose ends meet what is nearest, step by step: a curve in many short lines stays a curve.
+    # Loose ends meet the nearest end in steps, so that a curve of many short lines stays a curve.
     for reach in (10 * _SAME, 100 * _SAME, SNAP) if snap is None else ():
         loose = np.flatnonzero(np.bincount(first, counted, len(ends))[first] == 1)
         if not len(loose):
@@ -227,10 +226,9 @@ def _met(ends: Floats, snap: float | None, counted: NDArray[np.bool_]) -> Floats
 
 
 def _connected(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return for each of `count` the first that it can be reached from over pairs of indices."""
-    # Following the first of one's first halves what is left of a long chain in each round:
-    # Y. Shiloach and U. Vishkin, An O(log n) parallel connectivity algorithm, Journal of
-    # Algorithms 3, 1982.
+    """Return for each of `count` indices the first one connected with it by pairs of indices."""
+    # Pointer jumping halves the rest of a long chain in each round: Y. Shiloach and U. Vishkin, An
+    # O(log n) parallel connectivity algorithm, Journal of Algorithms 3, 1982.
     first = np.arange(count)
     while True:
         before = first.copy()
@@ -241,7 +239,7 @@ def _connected(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> ND
 
 
 def _loose(loose: list[int], lines: list[int], places: Floats) -> list[Loose]:
-    """Return each of the `loose` lines with the end of it that is farthest from those of others."""
+    """Return each of the `loose` lines with its end that is farthest from other ends."""
     if not loose:
         return []
     ends = places.reshape(-1, 2, 2)[lines].reshape(-1, 2)
@@ -265,20 +263,20 @@ def _loose(loose: list[int], lines: list[int], places: Floats) -> list[Loose]:
 
 
 Name = Callable[[], str]
-"""Function that returns the name of an entity: few names are ever needed."""
+"""Function that returns the name of an entity, because few names are needed."""
 
 OUTSIZED = f"has coordinates that are not numbers of at most {LARGEST:g} m"
-"""Reason why a shape with such coordinates is not read."""
+"""Message about a shape with too large coordinates."""
 
 TOUCHING = 1e-9
-"""Metres. Closer ends of an outline are one corner: arcs end with rounding errors."""
+"""Metres. Closer ends of an outline are one corner, because arcs end with rounding errors."""
 
 
 @dataclass(frozen=True, slots=True)
 class Polyline:
     """Line of an entity on `layer`, in metres: `corners` is (N, 2).
 
-    A `closed` line bounds an area; a hatched entity has its `area`. `covered` is the area of a line
+    A `closed` line bounds an area. Hatched entities have an `area`. `covered` is the area of a line
     that is drawn with a width. `bottom` and `thickness` are heights.
     """
 
@@ -294,7 +292,7 @@ class Polyline:
 
 @dataclass(frozen=True, slots=True)
 class Unread:
-    """Entity that is no shape, `why` it is none, and whether its layer is read."""
+    """Entity that is no shape, the reason, and whether its layer is read."""
 
     layer: str
     name: Name
@@ -313,7 +311,7 @@ def line(
     thickness: float,
     covered: shapely.Geometry | None = None,
 ) -> Shape:
-    """Return an entity with these corners (N, 3), in metres; it is closed if its ends meet."""
+    """Return an entity with these corners (N, 3) in metres. It is closed if its ends meet."""
     if not (are_figures(corners).all() and is_figure(thickness)):
         return Unread(layer, name, OUTSIZED)
     if len(corners) > 3:
@@ -330,13 +328,13 @@ def line(
 
 
 def wall(corners: Floats, closed: bool, width: float, ends: str) -> shapely.Geometry:
-    """Return the area of a line (N, 2) of this width, whose `ends` are "flat" or "square"."""
+    """Return the area of a line (N, 2) of this width, with "flat" or "square" ends."""
     line = shapely.linestrings(np.append(corners, corners[:1], axis=0) if closed else corners)
     return line.buffer(width / 2, cap_style=ends, join_style="mitre")
 
 
 def hatched(layer: str, name: Name, outlines: Sequence[Floats]) -> Iterator[Shape]:
-    """Yield the areas of a hatch, whose `outlines` are (N, 3) corners in metres.
+    """Yield the areas of a hatch with `outlines` of (N, 3) corners in metres.
 
     By the even-odd rule, an outline inside an odd number of others is an opening.
     """
@@ -428,7 +426,7 @@ def _open(loose: Loose) -> str:
         return "is open; it encloses nothing together with the lines that it meets"
     near = f"is open; close it: no line meets its end at ({x:.3f}, {y:.3f}) m"
     if loose.gap < 0.1:
-        # Rounded up, so that it reaches.
+        # rounded up to a length that suffices
         digits = 1 - math.floor(math.log10(loose.gap))
         snap = metres(math.ceil(loose.gap * 10**digits - 1e-6) / 10**digits)
         return f"{near}, the nearest is {metres(loose.gap)} m away; `snap: {snap}` closes it"
@@ -436,13 +434,13 @@ def _open(loose: Loose) -> str:
 
 
 MOST_DETAILS = 5
-"""Problems that are shown of a drawing without a boundary: most vanish once it has one."""
+"""Maximum number of problems of a drawing without a boundary. Most vanish once it has one."""
 
 
 def boundary_problems(
     areas: Collection[Obstacle], layers: Collection[str], drawn: Drawn, problems: list[Problem]
 ) -> list[Problem]:
-    """Return the `problems` of a drawing, and that its boundary is missing or drawn twice.
+    """Return the `problems` of a drawing with a missing boundary, or with two.
 
     `layers` are those with shapes on them.
     """
@@ -469,7 +467,7 @@ def boundary_problems(
 
 
 def notices_of(unread: Iterable[Unread]) -> Iterator[Problem]:
-    """Yield a notice for all of a layer that are not read for the same reason."""
+    """Yield a notice for all entities of a layer that are ignored for the same reason."""
     reasons: dict[tuple[str, str], list[Unread]] = {}
     for one in unread:
         reasons.setdefault((one.layer, one.why), []).append(one)
@@ -482,9 +480,9 @@ def notices_of(unread: Iterable[Unread]) -> Iterator[Problem]:
 
 
 def numbered(areas: list[Obstacle]) -> tuple[Obstacle, ...]:
-    """Return the areas as obstacles, named by group and numbered where it has several.
+    """Return the areas as obstacles, named by group, and numbered if there are several.
 
-    A number is left out where another group has that name.
+    Numbers that are part of names of other groups are skipped.
     """
     several = Counter(area.name for area in areas)
     numbers = {group: itertools.count(1) for group in several}

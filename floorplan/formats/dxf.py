@@ -57,23 +57,23 @@ if TYPE_CHECKING:
 
 
 LARGEST_FILE = 64_000_000
-"""Bytes: a hall that is drawn in all detail takes a few million."""
+"""Bytes. Maximum size of a drawing. A hall in all detail takes a few million."""
 
 DAMAGED = (
     *(ArithmeticError, AttributeError, LookupError, RuntimeError, StopIteration),
     *(TypeError, ValueError),
 )
-"""Exceptions that ezdxf raises, besides its own, at a drawing that is damaged."""
+"""Exceptions that ezdxf raises for damaged drawings, besides its own."""
 
 TOLD = frozenset(("TEXT", "MTEXT", "POINT", "DIMENSION", "LEADER", "MULTILEADER", "TOLERANCE"))
-"""Kinds of entities that need not be read: they are no shapes, and nothing hangs on them."""
+"""Kinds of entities that are skipped, because they are no shapes and no shapes depend on them."""
 
 _ENTITY, _HANDLE, _COMMENT = 0, 5, 999
-"""Codes of tags: an entity begins, its handle, nothing."""
+"""Codes of tags: begin of an entity, handle, comment."""
 
 
 def open_drawing(path: Path) -> Drawing:
-    """Return the drawing in the file at `path`; `FloorplanError` if there is none."""
+    """Return the drawing in the file at `path`. `FloorplanError` if it cannot be read."""
     try:
         from ezdxf.filemanagement import readfile
         from ezdxf.lldxf.const import DXFError
@@ -82,29 +82,29 @@ def open_drawing(path: Path) -> Drawing:
         raise FloorplanError.of(path, message) from None
     require_readable(path, FloorplanError, LARGEST_FILE)
     try:
-        with redirect_stdout(io.StringIO()):  # ezdxf prints some of its warnings
+        with redirect_stdout(io.StringIO()):  # because ezdxf prints warnings
             try:
                 return _without_texts(path)
             except (DXFError, OSError, *DAMAGED):
-                return readfile(path)  # which says with the line where it is damaged
+                return readfile(path)  # whose errors name the damaged line
     except (DXFError, *DAMAGED) as why:
         message = f"is not a DXF drawing: {str(why) or 'it ends too early'}"
         raise FloorplanError.of(path, message) from None
     except OSError as why:
-        # ezdxf says this without a system's reason of a file that it does not recognise.
+        # ezdxf raises this for files that it does not recognize.
         message = f"can't be read: {why.strerror}" if why.strerror else "is not a DXF drawing"
         raise FloorplanError.of(path, message) from None
 
 
 class _Tag(NamedTuple):
-    """A tag as ezdxf takes it from a reader of its own."""
+    """Tag in the form that ezdxf expects from a tag loader."""
 
     code: int
     value: str
 
 
 def _without_texts(path: Path) -> Drawing:
-    """Return the drawing in the text file at `path`; any exception if there is none."""
+    """Return the drawing in the text file at `path`. It may raise any exception."""
     from ezdxf.document import Drawing
     from ezdxf.filemanagement import dxf_file_info
     from ezdxf.lldxf.validator import is_dxf_file
@@ -120,10 +120,10 @@ def _without_texts(path: Path) -> Drawing:
 
 
 def _kept(codes: list[int], values: list[str]) -> tuple[list[int], list[str]]:
-    """Return codes and values of the tags that are read: not those of texts that have a handle.
+    """Return codes and values of all tags except those of texts with handles.
 
-    Entities without handles are numbered as they are read, and a floor on top of the drawing may
-    name these numbers.
+    Entities without handles are numbered as they are read, and a floor above the drawing may use
+    these numbers.
     """
     if _COMMENT in codes:
         kept = [k for k, code in enumerate(codes) if code != _COMMENT]
@@ -141,7 +141,7 @@ def _kept(codes: list[int], values: list[str]) -> tuple[list[int], list[str]]:
 
 
 MOST_COPIES = 10_000
-"""Copies of a block that one insert puts in rows and columns."""
+"""Maximum number of copies of a block in one insert."""
 
 SILENT = frozenset(
     (
@@ -150,35 +150,35 @@ SILENT = frozenset(
         *("LEADER", "MULTILEADER", "MLEADER"),
     )
 )
-"""Kinds of entities that are about shapes, but are none."""
+"""Kinds of entities that describe shapes, but are none."""
 
 LINES = SPLINES | {"LINE", "ARC", "ELLIPSE"}
 OUTLINES = POLYLINES | {"CIRCLE", "SOLID", "TRACE", "3DFACE"}
 HATCHES = frozenset(("HATCH", "MPOLYGON"))
 PARTED = frozenset(("MLINE",))
-"""Kinds that are drawn as several lines."""
+"""Kinds of entities that consist of several lines."""
 
 
 class _Entity:
-    """An entity of a drawing; what it is made of is worked out once, however often it stands."""
+    """Entity of a drawing. Its outlines are computed once for all of its copies."""
 
     def __init__(self, entity: Any) -> None:
         self.entity = entity
         self.kind: str = entity.dxftype()
-        known = entity.dxf.is_supported("layer")  # not for kinds that ezdxf does not know
+        known = entity.dxf.is_supported("layer")  # kinds that ezdxf does not know have none
         self.layer = str(entity.dxf.get("layer", "0")) if known else "0"
         self._drawn: dict[float, tuple[list[Floats], shapely.Geometry | None]] = {}
 
     @cached_property
     def handle(self) -> str:
-        """Its handle, or that of the entity that it is a part of."""
+        """Handle of the entity, or of the entity that contains it."""
         entity = self.entity
         source = entity if entity.dxf.handle else entity.source_of_copy
         return str(getattr(getattr(source, "dxf", None), "handle", None) or "")
 
     @property
     def closed(self) -> bool:
-        """Whether it is drawn as a closed line, wherever its ends are."""
+        """Whether it is marked as closed, wherever its ends are."""
         if self.kind in POLYLINES:
             return bool(self.entity.is_closed)
         if self.kind == "SPLINE":
@@ -187,16 +187,16 @@ class _Entity:
 
     @property
     def thickness(self) -> Floats:
-        """The way (3,) that it is drawn out, in units of the drawing."""
+        """Extrusion vector (3,) in units of the drawing."""
         dxf = self.entity.dxf
         if not dxf.is_supported("thickness") or not dxf.get("thickness", 0.0):
             return np.zeros(3)
         return float(dxf.thickness) * np.array((*dxf.get("extrusion", (0, 0, 1)),))
 
     def drawn(self, distance: float) -> tuple[list[Floats], shapely.Geometry | None]:
-        """Return its outlines (N, 3) in units of the drawing, and the area that its width covers.
+        """Return its outlines (N, 3) in units of the drawing, and the area of its width.
 
-        Curves are drawn out within `distance`; errors as those of `corners_of`.
+        Curves are flattened within `distance`. Errors as of `corners_of`.
         """
         if distance not in self._drawn:
             entity = self.entity
@@ -214,7 +214,7 @@ class _Entity:
 
     @property
     def _straight(self) -> Floats | None:
-        """Corners (N, 3) of a line, or of a level polyline of lines only; None of others."""
+        """Corners (N, 3) of a line, or of a horizontal polyline without arcs, otherwise None."""
         dxf = self.entity.dxf
         if self.kind == "LINE":
             return np.array((dxf.start.xyz, dxf.end.xyz))
@@ -230,7 +230,7 @@ class _Entity:
 
     @cached_property
     def steps(self) -> list[Floats]:
-        """The transforms (4, 4) that put the block of an insert into its places."""
+        """Transforms (4, 4) of the copies of the block of an insert."""
         insert = self.entity
         several = insert.multi_insert() if insert.mcount > 1 else (insert,)
         return [np.array([*one.matrix44()]).reshape(4, 4) for one in several]
@@ -238,10 +238,10 @@ class _Entity:
 
 @dataclass(frozen=True)
 class _Inserted:
-    """A block that is read where it stands, inside others: `blocks` are their names.
+    """Copy of a block, inside the `blocks` of these names.
 
-    What it has on the layer 0 is on `layer`, `within` names its place. The matrix `at` (4, 4) puts
-    it there; None for the model space.
+    Its entities on layer 0 are on `layer`, and `within` names its place. The matrix `at` (4, 4)
+    transforms it. It is None for the model space.
     """
 
     layer: str | None = None
@@ -255,35 +255,35 @@ class _Inserted:
         return f"{self.within}, {name}" if self.within else name
 
     def block(self, name: str, layer: str, within: str, step: Floats) -> _Inserted:
-        """Return the block of this name, which the matrix `step` (4, 4) puts into this one."""
+        """Return a copy of the block of this name, placed into this one by the matrix `step`."""
         at = step if self.at is None else step @ self.at
         return _Inserted(layer, within, self.blocks | {name.casefold()}, at)
 
     @cached_property
     def stretch(self) -> float:
-        """By how much it is enlarged, at most."""
+        """Maximum scale factor of the block."""
         if self.at is None:
             return 1.0
-        # Rounded, so that blocks which are only turned share what is drawn out.
+        # Rounded, so that rotated copies share the flattened curves.
         return max(float(f"{np.linalg.norm(self.at[:3, :3], 2):.9g}"), 1e-9)
 
     def put(self, points: Floats) -> Floats:
-        """Return where `points` (N, 2 or 3) of the block are."""
+        """Return the positions of `points` (N, 2 or 3) of the block."""
         if self.at is None:
             return points
-        # ezdxf's matrices act on rows from the right, with the translation in the last row.
+        # ezdxf multiplies row vectors by matrices, whose last row is the translation.
         size = points.shape[1]
         placed: Floats = points @ self.at[:size, :size] + self.at[3, :size]
         return placed
 
     def put_area(self, area: shapely.Geometry | None, metre: float) -> shapely.Geometry | None:
-        """Return in metres where an area of the block is."""
+        """Return an area of the block at its position, in metres."""
         if area is None:
             return None
         return shapely.transform(area, lambda points: self.put(points) * metre)
 
     def rise(self, thickness: Floats) -> float:
-        """Return how high something is in the drawing, which is drawn out by `thickness` (3,)."""
+        """Return the height in the drawing of an extrusion by `thickness` (3,)."""
         return float((thickness if self.at is None else thickness @ self.at[:3, :3])[2])
 
 
@@ -291,9 +291,9 @@ _MODEL_SPACE = _Inserted()
 
 
 class Reader:
-    """Reads the shapes of a drawing with a unit of `metre` metres.
+    """Reader of the shapes of a drawing with a unit of `metre` metres.
 
-    `layers` are those with something on them that is not switched off.
+    `layers` are the visible layers with shapes.
     """
 
     def __init__(self, drawing: Drawing, metre: float, drawn: Drawn) -> None:
@@ -303,7 +303,7 @@ class Reader:
         self._drawn = drawn
         self._blocks: dict[str, list[_Entity]] = {}
         self.group_of = lru_cache(None)(drawn.group_of)
-        """The name of the group of a layer, None if it is in none."""
+        """Name of the group of a layer, or None."""
         hidden = {
             layer.dxf.name.casefold(): (layer.is_off() or layer.is_frozen(), layer.is_frozen())
             for layer in drawing.layers
@@ -311,14 +311,14 @@ class Reader:
         self._hidden = lru_cache(None)(lambda layer: hidden.get(layer.casefold(), (False, False)))
 
     def shapes(self) -> Iterator[Shape]:
-        """Yield the shapes of the model space, and the entities that are not read."""
+        """Yield the shapes of the model space, and the ignored entities."""
         return self._read(map(_Entity, self._drawing.modelspace()), _MODEL_SPACE)
 
     def _read(self, entities: Iterable[_Entity], block: _Inserted) -> Iterator[Shape]:
         for one in entities:
             kind, layer = one.kind, one.layer
             if block.layer is not None and layer == "0":
-                layer = block.layer  # so AutoCAD draws what a block has on the layer 0
+                layer = block.layer  # as AutoCAD draws layer 0 of a block
             hidden, frozen = self._hidden(layer)
             if kind in SILENT or (frozen if kind == "INSERT" else hidden):
                 continue
@@ -399,7 +399,7 @@ class Reader:
 
 @paused_collector()
 def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
-    """Return the floorplan in the DXF file at `path`; `FloorplanError` lists all its problems."""
+    """Return the floorplan in the DXF file at `path`. `FloorplanError` lists all problems."""
     file = str(path)
     drawing = open_drawing(path)
     notices: list[Problem] = []
@@ -408,7 +408,7 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     shapes: dict[str, list[Polyline]] = {}
     unread: list[Unread] = []
     try:
-        with np.errstate(all="ignore"):  # figures that nothing comes of are refused
+        with np.errstate(all="ignore"):  # invalid numbers are rejected below
             for found in reader.shapes():
                 if isinstance(found, Polyline):
                     shapes.setdefault(str(reader.group_of(found.layer)), []).append(found)
@@ -443,7 +443,7 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
 
 
 def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) -> tuple[float, str]:
-    """Return the length of a unit of the drawing in metres, and its name; notice a doubt."""
+    """Return the unit of the drawing in metres, and its name. Add a notice if it is uncertain."""
     from ezdxf.enums import InsertUnits
     from ezdxf.units import conversion_factor
 

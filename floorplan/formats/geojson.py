@@ -1,8 +1,8 @@
 """Floors in GeoJSON (RFC 7946): features by kind or layer, in metres.
 
-A single geometry is the area to walk on, with obstacles as holes. In a collection the property
-`kind` of a feature says what it is (boundary, obstacle, station or safe_zone), or else `layer` the
-group that it is in, as in drawings; `name`, `bottom`, `top` and `heading` are read where they fit.
+A single geometry is the walkable area, with obstacles as holes. In a collection the property `kind`
+of a feature is boundary, obstacle, station or safe_zone. Without it, `layer` is its group, as in
+drawings. `name`, `bottom`, `top` and `heading` are optional.
 """
 
 import itertools
@@ -37,13 +37,13 @@ from .drawings import (
 from .wkt import joined
 
 DEGREES = ("CRS84", "CRS83", "CRS27", "4326", "4258", "4267", "4269", "4283", "4490", "4979")
-"""Parts of the names of systems whose coordinates are degrees."""
+"""Parts of the names of coordinate systems in degrees."""
 
 KINDS = ("boundary", "obstacle", "station", "safe_zone")
 
 
 class Properties(BaseModel):
-    """The properties of a feature that are read; it may have others."""
+    """Properties of a feature. It may have others."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, defer_build=True)
 
@@ -58,11 +58,11 @@ class Properties(BaseModel):
 
 @dataclass
 class _Parts:
-    """The floor as far as it is read."""
+    """Parts of the floor that were read."""
 
     boundary: list[Polygon] = field(default_factory=list)
     bounding: int = 0
-    """Features that are the boundary, or should be."""
+    """Features of the boundary."""
     obstacles: list[tuple[str, str | None, Polygon, float, float]] = field(default_factory=list)
     stations: list[Station] = field(default_factory=list)
     safe_zones: list[SafeZone] = field(default_factory=list)
@@ -72,7 +72,7 @@ class _Parts:
 
 
 def load_geojson(path: Path, drawn: Drawn) -> Floorplan:
-    """Return the floorplan in the GeoJSON file at `path`; `FloorplanError` lists its problems."""
+    """Return the floorplan in the GeoJSON file at `path`. `FloorplanError` lists all problems."""
     file, text = str(path), read_text(path, FloorplanError)
     try:
         data = json.loads(text)
@@ -164,7 +164,7 @@ def _collection(features: list[Any], file: str, drawn: Drawn, in_metres: bool) -
 def _feature(
     geometry: Any, properties: Properties, place: str, parts: _Parts, drawn: Drawn
 ) -> str | None:
-    """Add a feature to `parts`; return what is wrong with it, if anything is."""
+    """Add a feature to `parts`, or return what is wrong with it."""
     kind, layer = properties.kind, properties.layer
     group = None
     if kind is None and layer is not None:
@@ -210,7 +210,7 @@ def _feature(
     top = bottom + DEFAULT_HEIGHT if properties.top is None else properties.top * metre
     heights = drawn.group(group).z if group is not None else None
     bottom, top = heights or (bottom, top)
-    # A hollow obstacle is of several pieces, which share no name.
+    # A hollow obstacle has several pieces, which need different names.
     pieces, _ = pieces_of([shape])
     own = properties.name if len(pieces) == 1 else None
     label = group or properties.name or "obstacle"
@@ -226,7 +226,7 @@ def _geometry(data: Any, drawn: Drawn) -> Any:
         with np.errstate(all="ignore"):
             shape = shapely.force_2d(shape_of(data))
             scaled = shapely.transform(shape, lambda at: at * (drawn.metre or 1.0))
-    except OverflowError:  # of a whole number that no float can hold
+    except OverflowError:  # a whole number is too large for a float
         return OUTSIZED
     except (shapely.GEOSException, AttributeError, LookupError, TypeError, ValueError) as why:
         return f"is no geometry: {why}"
@@ -238,7 +238,7 @@ def _geometry(data: Any, drawn: Drawn) -> Any:
 
 
 def _named(parts: _Parts) -> Iterator[Obstacle]:
-    """Yield the obstacles: by their own names, else by group, numbered."""
+    """Yield the obstacles with their own names, or else the name and number of their group."""
     taken = {own for _, own, *_ in parts.obstacles if own is not None}
     counters: dict[str, Iterator[int]] = {}
     for label, own, polygon, bottom, top in parts.obstacles:

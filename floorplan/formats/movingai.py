@@ -25,13 +25,13 @@ from .drawings import Drawn
 from .raster import IntricateError, trace
 
 CELL = 1.0
-"""Metres. Default side of a cell: the maps name none."""
+"""Metres. Default side of a cell, which the maps do not contain."""
 
 FLOOR = ".GS"
-"""Characters of cells that can be walked on: ground, and swamp."""
+"""Characters of walkable cells: ground and swamp."""
 
 BLOCKED = "@OTW"
-"""Characters of all others: out of bounds, trees, and water, which is no way on from ground."""
+"""Characters of other cells: out of bounds, trees, and water."""
 
 _MOST_CELLS = 16_000_000
 
@@ -97,11 +97,11 @@ def load_movingai(path: Path, cell: float = CELL) -> Floorplan:
 
 
 def _whole_cells(taken: shapely.Geometry) -> list[shapely.Polygon]:
-    """Return the pieces of `taken` (cells), with all their corners on those of cells.
+    """Return the pieces of `taken` (cells), with all corners at corners of cells.
 
-    The outline keeps an eighth of a cell from corners at which two cells of floor touch, and so
-    what is taken is joined there. Put back on the corner, it touches itself or another piece at a
-    point, through which no body comes. A piece with a hole is cut across it.
+    The outline keeps an eighth of a cell from corners where two walkable cells touch, which joins
+    the area there. Moved to the corner, it touches itself or another piece in a point, through
+    which no body passes. A piece with a hole is cut through it.
     """
     pieces = shapely.get_parts(shapely.transform(taken, np.round))
     touching = ~shapely.is_valid(pieces)
@@ -119,7 +119,7 @@ def _solid(piece: shapely.Polygon) -> Iterator[shapely.Polygon]:
     if not piece.interiors:
         yield piece
         return
-    # Through the middle of a cell the cut meets hardly any edge but level ones: it is exact.
+    # A cut through the middle of a cell crosses almost only horizontal edges, so it is exact.
     west, south, east, north = piece.bounds
     middle = math.floor(piece.interiors[0].bounds[0]) + 0.5
     for side in (box(west, south, middle, north), box(middle, south, east, north)):
@@ -134,7 +134,7 @@ def load_drawn_map(path: Path, drawn: Drawn) -> Floorplan:
 
 
 def _cells(text: str, file: str) -> NDArray[np.bool_]:
-    """Return a mask of the cells that can be walked on, (rows, columns), the top row first."""
+    """Return a mask of the walkable cells, (rows, columns), the top row first."""
     lines = text.split("\n")
     height, width = _size(lines, file)
     rows = lines[len(_HEADER) :]
@@ -158,7 +158,7 @@ def _cells(text: str, file: str) -> NDArray[np.bool_]:
 
 
 def _size(lines: Sequence[str], file: str) -> tuple[int, int]:
-    """Return the height and the width, in cells, that the header gives."""
+    """Return height and width in cells from the header."""
     found: list[str] = []
     for number, (pattern, words) in enumerate(_HEADER, start=1):
         line = lines[number - 1].strip() if number <= len(lines) else ""

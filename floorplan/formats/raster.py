@@ -21,14 +21,13 @@ if TYPE_CHECKING:
 
 
 MOST_CELLS = 64_000_000
-"""Images with more pixels are refused: 8,000 × 8,000 are 400 m × 400 m at 0.05 m, where a floor of
-50 m × 50 m takes 1,000,000."""
+"""Maximum number of pixels. At 0.05 m, 8,000 × 8,000 are 400 m × 400 m."""
 
 LARGEST_FILE = 2 * MOST_CELLS + 65_536
-"""Bytes: those of as many pixels of 16 bits, and of a header."""
+"""Bytes of an image with the maximum number of pixels of 16 bits, and its header."""
 
 FORMATS = ("PNG", "BMP", "GIF", "JPEG", "PPM")
-"""Formats that Pillow may try; PPM stands for all of Netpbm's."""
+"""Image formats that Pillow may try. PPM includes all formats of Netpbm."""
 
 Levels: TypeAlias = "NDArray[np.uint8] | NDArray[np.uint16]"
 
@@ -48,7 +47,7 @@ class GreyImage:
 
 
 def read_image(path: Path) -> GreyImage:
-    """Return the grey image at `path`; `FloorplanError` says why it can't be used."""
+    """Return the grey image at `path`. `FloorplanError` if it cannot be used."""
     data = read_bytes(path, FloorplanError, LARGEST_FILE)
     return _read_pgm(data, path) if data[:2] in (b"P2", b"P5") else _read_other(data, path)
 
@@ -75,17 +74,17 @@ def _read_pgm(data: bytes, path: Path) -> GreyImage:
         levels = _plain_numbers(data[begin:], count, top, path)
     if len(levels) < count:
         raise FloorplanError.of(path, f"is cut short: {len(levels)} of {count} pixels")
-    # What is brighter than white is white.
+    # Brighter values count as white.
     return GreyImage(np.minimum(levels, top).reshape(height, width), None, top)
 
 
 def _plain_numbers(body: bytes, count: int, top: int, path: Path) -> NDArray[np.uint16]:
-    """Return the first `count` numbers in the text of a plain PGM, or all if they are fewer."""
+    """Return the first `count` numbers in the text of a plain PGM, or all if there are fewer."""
     if b"#" in body:
         body = re.sub(rb"#[^\n]*", b"", body)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("error", DeprecationWarning)  # so older NumPy ends
+            warnings.simplefilter("error", DeprecationWarning)  # end of the numbers for older NumPy
             found = np.fromstring(body, float, count, sep=" ") if body.strip() else np.empty(0)
     except (DeprecationWarning, ValueError):
         raise FloorplanError.of(path, "is not a PGM image: something in it is no number") from None
@@ -104,7 +103,7 @@ def _read_other(data: bytes, path: Path) -> GreyImage:
             "only PGM images can be read without Pillow; pip install 'floorwalker[floorplans]'"
         )
         raise FloorplanError.of(path, message) from None
-    # We look at the size ourselves: Pillow warns of larger ones, or refuses them, without it.
+    # The size is checked here, because Pillow warns of large images or rejects them.
     limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
     try:
         with Image.open(io.BytesIO(data), formats=FORMATS) as image:
@@ -144,13 +143,13 @@ def _check_size(width: int, height: int, path: Path) -> None:
 
 
 MOST_CORNERS = 1_000_000
-"""Most corners of all outlines together: the walls of a large hall have some 10,000."""
+"""Maximum number of corners of all outlines. The walls of a large hall have some 10,000."""
 
 MOST_OUTLINES = 100_000
-"""Most outlines: nothing could be planned among more obstacles."""
+"""Maximum number of outlines, because planning among more obstacles takes too long."""
 
 _INSET = 0.125
-"""Cells. How far a ring keeps from a corner at which two of its cells touch diagonally."""
+"""Cells. Distance of a ring from a corner at which two of its cells touch diagonally."""
 
 Ints = NDArray[np.int64]
 
@@ -163,28 +162,27 @@ class IntricateError(UserError):
 
 
 def trace(cells: NDArray[np.bool_], tolerance: float) -> shapely.Geometry:
-    """Return the area of the cells that are set in the mask `cells`, shape (rows, columns).
+    """Return the area of the set cells of the mask `cells`, shape (rows, columns).
 
     Cell [r, c] covers x from c to c + 1 and y from r to r + 1. Cells that touch only at a corner
-    stay apart. Rings are simplified: no point moves by more than `tolerance` cells.
-    `IntricateError` if there are more than `MOST_OUTLINES` rings, or if these have more than
-    `MOST_CORNERS` corners.
+    stay apart. Simplified rings deviate by at most `tolerance` cells. `IntricateError` if there are
+    more than `MOST_OUTLINES` rings or `MOST_CORNERS` corners.
     """
     shells, holes = _rings(np.pad(cells, 1))
     if (count := len(shells) + len(holes)) > MOST_OUTLINES:
         raise IntricateError(f"{count:,} outlines, of at most {MOST_OUTLINES:,}")
-    # Rings lie on the borders of cells and keep apart at diagonal corners, so what they make up is
-    # valid by construction and is not checked.
+    # Rings are on borders of cells and apart at diagonal corners, so the polygons are valid by
+    # construction.
     area = shapely.multipolygons(_polygons(shells, holes))
     return shapely.simplify(area, tolerance, preserve_topology=True) if tolerance else area
 
 
 def _polygons(shells: Rings, holes: Rings) -> NDArray[np.object_]:
-    """Return each shell with the holes in it: a hole is in the smallest of the shells around it."""
+    """Return each shell with its holes. A hole belongs to the smallest shell around it."""
     polygons: NDArray[np.object_] = shapely.polygons(shells)
     tree = shapely.STRtree(shapely.get_point(holes, 0))
     around, inside = tree.query(polygons, predicate="contains")
-    # The smallest shell around a hole comes first, and `unique` keeps the first of each hole.
+    # The smallest shell around a hole comes first, and `unique` returns the first for each hole.
     inner_first = np.argsort(shapely.area(polygons)[around], kind="stable")
     _, first = np.unique(inside[inner_first], return_index=True)
     owner = around[inner_first][first]
@@ -196,18 +194,17 @@ def _polygons(shells: Rings, holes: Rings) -> NDArray[np.object_]:
 
 
 def _rings(cells: NDArray[np.bool_]) -> tuple[Rings, Rings]:
-    """Return the closed outlines through their corners: those around cells, and those of holes.
+    """Return the closed outlines around cells and holes, through their corners.
 
-    Along every row of corners an outline comes and goes in turn, so sorted corners pair up into
-    its horizontal sides; along every column into its vertical ones. The sides then chain up.
+    In each row, sorted corners pair up into the horizontal sides of outlines, and in each column
+    into the vertical sides. The sides are then chained.
     """
     row, column, second, point = _corners(cells)
     count = len(row)
     # Sorted by row, then column: every other corner begins a side, and the next one ends it.
     across = _pairs(count, np.lexsort((np.arange(count), column, row)))
-    # At a diagonal corner the first of two copies ends the side on the left, the second begins
-    # the one on the right.
-    # The copy that goes round the cell above comes first along the column.
+    # At a diagonal corner the first of two copies ends the left side, the second begins the right
+    # one. Along the column, the copy around the cell above comes first.
     lower = cells[row, column] == second
     along = _pairs(count, np.lexsort((lower, row, column)))
     across_list, along_list = across.tolist(), along.tolist()
@@ -226,7 +223,7 @@ def _rings(cells: NDArray[np.bool_]) -> tuple[Rings, Rings]:
             here = along_list[there]
     of = np.repeat(np.arange(len(begins)), np.diff([*begins, len(chain)]))
     rings = shapely.linearrings(point[chain], indices=of)
-    # Below and right of its first corner, in the order of rows, is the inside of an outline.
+    # The inside of an outline is below and right of its first corner, in the order of rows.
     starts = np.array(chain, dtype=np.intp)[begins]
     is_shell = cells[row[starts] + 1, column[starts] + 1]
     return rings[is_shell], rings[~is_shell]
@@ -235,15 +232,15 @@ def _rings(cells: NDArray[np.bool_]) -> tuple[Rings, Rings]:
 def _corners(
     cells: NDArray[np.bool_],
 ) -> tuple[Ints, Ints, NDArray[np.bool_], NDArray[np.float64]]:
-    """Return the corners of outlines: row and column, whether it is the second copy, and place.
+    """Return the corners of outlines: row, column, whether it is the second copy, and position.
 
-    Corners where two cells touch diagonally come twice.
+    Corners at which two cells touch diagonally occur twice.
     """
     above_left, above_right = cells[:-1, :-1], cells[:-1, 1:]
     below_left, below_right = cells[1:, :-1], cells[1:, 1:]
     diagonal = (above_left == below_right) & (above_right == below_left)
     diagonal &= above_left != above_right
-    # An outline turns where one or three of the four cells around a corner are set.
+    # An outline has a corner if one or three of the four cells around it are set.
     odd = above_left ^ above_right ^ below_left ^ below_right
     odd |= diagonal
     if (count := np.count_nonzero(odd)) > MOST_CORNERS:
@@ -254,7 +251,7 @@ def _corners(
     twice = np.repeat(twice, 1 + twice)
     second = np.zeros(len(row), bool)
     second[1:] = twice[1:] & (row[1:] == row[:-1]) & (column[1:] == column[:-1])
-    # The copies part, each towards the set cell that it goes round.
+    # Move each copy towards its set cell.
     sideways = np.where(second, _INSET, -_INSET) * twice
     upright = np.where(above_left[row, column] == second, _INSET, -_INSET) * twice
     # Corner [r, c] lies between the cells r and r + 1 of the padded grid: at y = r unpadded.
@@ -263,7 +260,7 @@ def _corners(
 
 
 def _pairs(count: int, order: NDArray[np.intp]) -> Ints:
-    """Return the partner of each, where they pair up in this order."""
+    """Return the index of the partner of each corner, if successive corners are pairs."""
     partner = np.empty(count, np.int64)
     partner[order[0::2]], partner[order[1::2]] = order[1::2], order[0::2]
     return partner

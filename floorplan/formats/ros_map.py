@@ -27,16 +27,15 @@ from .raster import MOST_CELLS, GreyImage, IntricateError, read_image, trace
 from .wkt import walkable
 
 TOLERANCE = 0.45
-"""Cells. How far outlines may move when they are simplified: less than half a cell from either
-side leaves every wall closed, and a door of two cells more than one cell wide."""
+"""Cells. Tolerance of simplified outlines. Because it is less than half a cell, walls stay
+closed, and a door of two cells stays wider than one cell."""
 
-# Old versions of pydantic take fields for optional whose limits stand in two places.
 Share = Annotated[float, Strict(), Field(ge=0, le=1, allow_inf_nan=False)]
 Resolution = Annotated[float, Strict(), Field(ge=1e-4, le=1000, allow_inf_nan=False)]
 
 
 class RosMapSchema(BaseModel):
-    """Keys of a map_server file; it may have others, which say nothing about the floor."""
+    """Keys of a map_server file. Other keys are ignored."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, defer_build=True)
 
@@ -59,7 +58,7 @@ class RosMapSchema(BaseModel):
 
 
 def build_ros_map(document: Document) -> Floorplan:
-    """Return the floorplan of a map; `FloorplanError` with what is wrong with it or its image."""
+    """Return the floorplan of a map. `FloorplanError` if the map or its image is invalid."""
     schema = document.checked(RosMapSchema, FloorplanError)
     file = Path(document.file)
     try:
@@ -91,7 +90,7 @@ def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:
     """Return a mask of the free cells, (rows, columns), the top row first."""
     levels = np.arange(image.top + 1)
     if schema.mode == "raw":
-        # Values up to 100 are percentages of being occupied, others mean unknown.
+        # Values up to 100 are percentages of occupancy. Other values mean unknown.
         is_free = (levels <= 100) & (levels <= schema.free_thresh * 100)
     else:
         is_free = _darkness(image, schema) <= schema.free_thresh
@@ -100,7 +99,7 @@ def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:
 
 
 def _darkness(image: GreyImage, schema: RosMapSchema) -> NDArray[np.float64]:
-    """Return how far each level is from what is free, 0 to 1: map_server's own formula."""
+    """Return the darkness of each level, from 0 to 1, as map_server computes it."""
     levels = np.arange(image.top + 1)
     return (levels if schema.negate else image.top - levels) / image.top
 
@@ -111,7 +110,7 @@ MOST_ZONES = 1_000
 def mask_zones(path: Path, name: str, rule: MaskKeys) -> Iterator[Zone]:
     """Yield the zones of a mask of Nav2's keepout or speed filter, in metres.
 
-    They are called `name`, and numbered if there are several. `FloorplanError` if there are none.
+    Several zones are numbered after `name`. `FloorplanError` if there are none.
     """
     document = read_yaml(path, FloorplanError)
     schema = document.checked(RosMapSchema, FloorplanError)
@@ -154,7 +153,7 @@ def _values(image: GreyImage, schema: RosMapSchema) -> NDArray[np.int_]:
 
 
 def _in_metres(area: Polygon, rows: int, schema: RosMapSchema) -> Polygon:
-    """Convert cells to metres; the origin is the lower left corner of the image, with its yaw."""
+    """Convert cells to metres. The origin is the lower left corner of the image, with its yaw."""
     x, y, yaw = schema.origin
     c, s = math.cos(yaw), math.sin(yaw)
 
@@ -175,9 +174,9 @@ _MARGIN = 1
 
 
 def write_map(plan: Floor, path: Path, resolution: float) -> None:
-    """Write `plan` as a map in cells of `resolution` metres: `path` and the other of its two files.
+    """Write `plan` as a map with cells of `resolution` metres, into `path` and its other file.
 
-    `ValueError` if it would have more cells than can be read.
+    `UserError` if it has more cells than can be read.
     """
     area = walkable(plan)
     west, south, east, north = area.bounds
@@ -205,7 +204,7 @@ def write_map(plan: Floor, path: Path, resolution: float) -> None:
 
 
 def map_files(path: Path) -> tuple[Path, Path]:
-    """Return the two files of a ROS map, of which one is `path`: its settings and its image."""
+    """Return the settings file and the image of a ROS map, given either of them as `path`."""
     is_text = path.suffix.lower() in (".yaml", ".yml")
     return path if is_text else path.with_suffix(".yaml"), path.with_suffix(".pgm")
 
@@ -213,10 +212,10 @@ def map_files(path: Path) -> tuple[Path, Path]:
 def free_cells(
     area: shapely.Geometry, corner: tuple[float, float], size: float, rows: int, columns: int
 ) -> NDArray[np.bool_]:
-    """Return the cells that are wholly in `area`: (rows, columns), the lowest row first.
+    """Return a mask of the cells inside `area`: (rows, columns), the lowest row first.
 
-    Cells are `size` metres long, the first one has its lower left corner at `corner`. Squares of
-    cells that the edge of `area` does not cross are decided as a whole.
+    Cells have sides of `size` metres. The lower left corner of the first one is `corner`. Squares
+    of cells that the edge of `area` does not cross are decided at once.
     """
     free = np.zeros((rows, columns), bool)
     shapely.prepare(area)
@@ -231,7 +230,7 @@ def free_cells(
             free[row : row + whole, column : column + whole] = True
         if whole == 1:
             break
-        # Only what is partly in the area is looked at more closely.
+        # Only squares partly inside the area are divided.
         crossed = squares[~inside & shapely.intersects(area, boxes)]
         whole //= 2
         quarters = np.array([[0, 0], [0, whole], [whole, 0], [whole, whole]])

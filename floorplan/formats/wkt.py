@@ -1,7 +1,7 @@
-"""Floors in well-known text, in JuPedSim's convention: a walkable polygon with obstacles as holes.
+"""Floors in well-known text: a walkable polygon with obstacles as holes, as for JuPedSim.
 
-The text is a POLYGON in metres, or a MULTIPOLYGON or GEOMETRYCOLLECTION of polygons that together
-make up one area.
+The text is a POLYGON in metres, or a MULTIPOLYGON or GEOMETRYCOLLECTION of polygons that form one
+area.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from .drawings import OUTSIZED, Drawn
 
 
 def load_wkt(path: Path, drawn: Drawn) -> Floorplan:
-    """Return the floorplan in the WKT file at `path`; `FloorplanError` lists all its problems."""
+    """Return the floorplan in the WKT file at `path`. `FloorplanError` lists all problems."""
     return parse_wkt(read_text(path, FloorplanError), file=str(path), metre=drawn.metre or 1.0)
 
 
 def parse_wkt(text: str, *, file: str = "<text>", metre: float = 1.0) -> Floorplan:
-    """Return the floorplan in `text`, in a unit of `metre` metres; errors call it `file`."""
+    """Return the floorplan in `text`, in a unit of `metre` metres. Errors call it `file`."""
     try:
-        with np.errstate(invalid="ignore", over="ignore"):  # too large figures are refused below
+        with np.errstate(invalid="ignore", over="ignore"):  # too large numbers are rejected below
             geometry = shapely.from_wkt(text.strip())
     except shapely.GEOSException as why:
         reason = re.sub(r"^ParseException: ", "", str(why)).strip()
         raise FloorplanError.of(file, f"is not well-known text: {reason}") from None
-    except UnicodeDecodeError:  # of the reason: GEOS cuts a long one off amid a character
+    except UnicodeDecodeError:  # GEOS may cut the reason within a character
         raise FloorplanError.of(file, "is not well-known text: it is not all ASCII") from None
     geometry = shapely.transform(shapely.force_2d(geometry), lambda at: at * metre)
     area = joined(geometry, file)
@@ -44,7 +44,7 @@ def parse_wkt(text: str, *, file: str = "<text>", metre: float = 1.0) -> Floorpl
 
 
 def joined(geometry: shapely.Geometry, file: str) -> Polygon:
-    """Return the one area that the polygons of `geometry` make up; `FloorplanError` if none."""
+    """Return the area of the polygons of `geometry`. `FloorplanError` if it is not one."""
     problems = list(_problems(geometry))
     if problems:
         raise FloorplanError(file, problems)
@@ -83,7 +83,7 @@ def _problems(geometry: shapely.Geometry) -> Iterator[Problem]:
 
 
 def walkable(plan: Floor) -> shapely.Geometry:
-    """Return the area that people can walk on: `ValueError` if there is none."""
+    """Return the walkable area. `UserError` if there is none."""
     area = shapely.force_2d(plan.free(0.0, plan.human.height))
     if area.is_empty:
         raise UserError(f"people can walk nowhere on the floor {plan.name!r}")
@@ -91,7 +91,7 @@ def walkable(plan: Floor) -> shapely.Geometry:
 
 
 def write_wkt(plan: Floor, path: Path) -> None:
-    """Write the area of `plan` that people can walk on; `UserError` if it is not one area."""
+    """Write the walkable area of `plan`. `UserError` if it is not one area."""
     area = walkable(plan)
     if area.geom_type != "Polygon":
         count = len(area.geoms)

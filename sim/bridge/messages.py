@@ -19,7 +19,7 @@ from navigation.motion import State
 
 from ..cell.trajectories import JOINTS, joint_values, pose_of as pose_of
 from ..core.body import Body
-from ..core.entries import AssemblyTask, KittingTask, Order, PartType
+from ..orders.workload import AssemblyTask, KittingTask, Order, PartType
 
 _MESSAGES = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec

@@ -9,6 +9,7 @@ from floorplan import UserError
 from ..cell import Cell, Pace
 from ..core.body import Body
 from ..core.recorder import Event, Listener
+from ..orders.workload import Workload
 from ..people.minds import Outside
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
@@ -76,7 +77,7 @@ class Workcell:
         self._phase = exchange.advertise(
             "/ariac/competition_state", "ariac_msgs/CompetitionState", latched=1
         )
-        orders = trial.workload.orders if trial.workload else ()
+        orders = trial.workload.orders if isinstance(trial.workload, Workload) else ()
         self._unannounced = {order.id: order for order in orders}
         self._published_at = -1.0
         self.cell = cell = Cell(simulation, notice=lambda text: self.notice(text))

@@ -131,7 +131,7 @@ def _trial(trial: Trial, file: str) -> str:
     _print_doubts(doubts_in(trial))
     machines = machines_in_words(trial)
     bodies = in_words(trial) + (f" and the {machines}" if machines else "")
-    work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
+    work = f" and {_number(len(trial.workload.ids), 'order')}" if trial.workload else ""
     upto = "up to " if trial.until_submitted else ""
     return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {bodies}{work}"
 

@@ -1,4 +1,4 @@
-"""Custom code: find a definition by its name, import it, judge it, and locate its errors."""
+"""Custom code: find definitions by name, import them, and locate their errors."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from .clock import Clock
 Definition: TypeAlias = "ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef"
 
 REFUSED = "code of your own is refused here (own_code: false, --no-own-code)"
-"""The message where files may name nothing but built-in things."""
+"""Message for custom code in files that may not name any."""
 
 DEFECT = "a defect of Floorwalker, not a mistake of yours; please report it"
-"""The words for an error that no input may cause."""
+"""Words for errors that no input may cause."""
 
 
 class OwnCodeError(UserError):
@@ -40,10 +40,10 @@ class OwnCodeError(UserError):
 
 @dataclass(frozen=True, kw_only=True)
 class Kind:
-    """A kind of code that files name as `package.module:name`.
+    """Kind of code that files name as `package.module:name`.
 
-    `noun` names it in messages and `words` say what it has to be. `accepts` judges the imported
-    object. `builtin` are those that have a plain name, and `error` is raised for all faults.
+    `noun` and `words` describe it in messages. `accepts` tests the imported object. `builtin` has
+    built-in objects with plain names, and `error` is raised for all faults.
     """
 
     noun: str
@@ -55,9 +55,9 @@ class Kind:
 
 @dataclass(frozen=True, kw_only=True)
 class CustomCode:
-    """The module `module` in or below `folder`, or its definition `attribute` in a `line` of it.
+    """Module in or below `folder`, or its definition `attribute` in a `line` of it.
 
-    Nothing is imported before `load`. Its methods raise the error of its kind.
+    It is imported by `load`. Methods raise the error of its kind.
     """
 
     folder: Path
@@ -69,14 +69,14 @@ class CustomCode:
 
     @property
     def name(self) -> str:
-        """Its name as files have it."""
+        """Name in files."""
         return f"{self.module}:{self.attribute}" if self.attribute else self.module
 
     def definitions(self) -> dict[str, Definition]:
         """Return the classes and functions at the top level of the file."""
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # they are shown when the file is imported
+                warnings.simplefilter("ignore")  # shown at the import
                 tree = ast.parse(read_bytes(self.file, InputError), filename=str(self.file))
             return {found.name: found for found in _defined(tree.body)}
         except InputError as why:
@@ -86,9 +86,9 @@ class CustomCode:
             raise self._fault(f"can't be read{place}: {in_words(why)}") from why
 
     def load(self) -> Any:
-        """Import the module, and return it or the object with the name `attribute` there.
+        """Import the module, and return it or its object `attribute`.
 
-        It is imported once for the run under way. Outside of a run, each call imports it again.
+        It is imported once per run. Outside a run, each call imports it again.
         """
         try:
             with importing() as imports:
@@ -118,17 +118,16 @@ class CustomCode:
 
 @dataclass(frozen=True)
 class CodeFolder:
-    """Folder in which custom code stands; unless it is `allowed` there, all of it is refused."""
+    """Folder of custom code, which is rejected unless it is `allowed`."""
 
     path: Path = Path()
     allowed: bool = True
 
     def find(self, name: str, kind: Kind) -> CustomCode:
-        """Return the definition of `package.module:name`, a module or package right in the folder.
+        """Return the definition of `package.module:name` directly in the folder.
 
-        Nothing is imported. The error of the `kind` is raised if there is no such file, if it
-        cannot be parsed, if it defines no class or function of that name at its top level, or if
-        it is refused.
+        Nothing is imported. Raise the error of the `kind` if there is no such file, if it cannot be
+        parsed, if it does not define that name at its top level, or if custom code is not allowed.
         """
         module, colon, attribute = name.partition(":")
         if not colon and kind.builtin:
@@ -197,7 +196,7 @@ def _is_name(text: str) -> bool:
 
 
 def _defined(body: list[ast.stmt]) -> Iterator[Definition]:
-    """Yield the classes and functions of a module, also those under `if`, `try` and the like."""
+    """Yield the classes and functions of a module, including those under `if` and `try`."""
     for node in body:
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             yield node
@@ -209,10 +208,10 @@ def _defined(body: list[ast.stmt]) -> Iterator[Definition]:
 
 
 FLOORWALKER = ("floorplan", "navigation", "bdi", "sim")
-"""The packages of Floorwalker."""
+"""Packages of Floorwalker."""
 
 _IMPORTS: ContextVar[Imports | None] = ContextVar("imports", default=None)
-"""The modules of the run under way."""
+"""Modules of the current run."""
 
 _left: dict[str, ModuleType] = {}
 """Modules of the last run that are still loaded."""
@@ -222,17 +221,17 @@ _files: set[str | None] = set()
 
 
 class Imports:
-    """Modules that one run imports from the folders of its custom code.
+    """Modules that a run imports from the folders of its custom code.
 
-    Each run imports them again, because modules may keep state. They are in `sys.modules` while the
-    run is `active`, under their plain names, and afterwards until the next run is. Modules of the
-    same names that the program around the runs has imported are set aside meanwhile.
+    Each run imports them again, because modules may have state. While the run is `active` they are
+    in `sys.modules` under their plain names, and afterwards until the next run. Modules of the same
+    names that the calling program imported are set aside meanwhile.
     """
 
     def __init__(self) -> None:
         self._modules: dict[Path, dict[str, ModuleType]] = {}
         self._before: dict[Path, set[str]] = {}
-        """Names of the modules that were loaded before code of a folder was."""
+        """Names of the modules that were loaded before the code of a folder."""
         self._context = ExitStack()
 
     @contextmanager
@@ -255,7 +254,7 @@ class Imports:
             _IMPORTS.reset(token)
 
     def module(self, folder: Path, name: str) -> ModuleType:
-        """Return a module right in `folder`, or in a package there."""
+        """Return a module directly in `folder`, or in a package there."""
         if is_known := folder in self._modules:
             self._take(folder)
         own = self._modules.setdefault(folder, {})
@@ -293,7 +292,7 @@ class Imports:
             sys.modules.update(aside)
 
     def _take(self, folder: Path) -> None:
-        """Add what was imported from `folder` in the meantime to the modules of this run."""
+        """Add the newly imported modules of `folder` to the modules of this run."""
         for name in {*sys.modules} - self._before[folder]:
             if _stands_in(folder, name.partition(".")[0]):
                 self._modules[folder][name] = sys.modules[name]
@@ -302,7 +301,7 @@ class Imports:
 
 @contextmanager
 def importing() -> Iterator[Imports]:
-    """Import custom code for the run under way in this context, or for itself."""
+    """Import custom code for the current run in this context, or for this context alone."""
     imports = _IMPORTS.get()
     if imports is not None:
         yield imports
@@ -313,7 +312,7 @@ def importing() -> Iterator[Imports]:
 
 
 def _others_in(folder: Path, top: str) -> Iterator[str]:
-    """Yield the loaded modules in `folder`, and all of a module or package `top` from elsewhere."""
+    """Yield the loaded modules in `folder`, and modules called `top` from elsewhere."""
     there = {path.stem for path in folder.iterdir()} - {*FLOORWALKER}
     standing = {name for name in there & sys.modules.keys() if _stands_in(folder, name)}
     for name in [*sys.modules]:
@@ -322,46 +321,40 @@ def _others_in(folder: Path, top: str) -> Iterator[str]:
 
 
 def _stands_in(folder: Path, top: str) -> bool:
-    """Return True if the package or module that is loaded as `top` stands right in `folder`."""
+    """Return True if the loaded package or module `top` is directly in `folder`."""
     module = sys.modules.get(top)
     places = (*getattr(module, "__path__", ()), getattr(module, "__file__", None))
     return any(place and Path(place).parent.resolve() == folder for place in places)
 
 
 def code_of(code: Any) -> Any:
-    """Return the function or class behind a partial or decorated function, or an object."""
+    """Return the function or class behind a partial or decorated function or an object."""
     while isinstance(code, partial):
         code = code.func
     return inspect.unwrap(code) if inspect.isroutine(code) or inspect.isclass(code) else type(code)
 
 
 def file_of(code: Any) -> Path | None:
-    """Return the file that defines a function, a class, or that of an object; None if unknown."""
+    """Return the file that defines a function, a class or an object, or None if unknown."""
     try:
         file = inspect.getsourcefile(code_of(code))
-    except TypeError:  # it is built in
+    except TypeError:  # built in
         return None
     return None if file is None else Path(file)
 
 
-# ---- errors of custom code
-
-
 def in_words(why: BaseException) -> str:
-    """Return the error's text with its type: a `KeyError` says no more than the key."""
+    """Return the text of an error with its type, because a `KeyError` only has the key."""
     return f"{type(why).__name__}: {why}".removesuffix(": ")
 
 
 def is_ours(made: object) -> bool:
-    """Return True if an error, or another object, is of one of Floorwalker's own classes."""
+    """Return True if the class of an object belongs to Floorwalker."""
     return type(made).__module__.partition(".")[0] in FLOORWALKER
 
 
 def line_in(why: BaseException, files: Container[str | None]) -> str:
-    """Return the innermost line of some files in which an error arose.
-
-    As " (FILE, line N)", or nothing.
-    """
+    """Return the innermost line in `files` of an error as " (FILE, line N)", or an empty text."""
     frames = traceback.extract_tb(why.__traceback__)
     places = [(frame.filename, frame.lineno) for frame in frames]
     if isinstance(why, SyntaxError) and why.filename is not None:
@@ -371,19 +364,16 @@ def line_in(why: BaseException, files: Container[str | None]) -> str:
 
 
 def own_line(why: BaseException, *others: str | None) -> str:
-    """Return the innermost line of custom code, or of other files, where an error arose.
-
-    As of `line_in`.
-    """
+    """Return the innermost line in custom code or other files of an error. See `line_in`."""
     return line_in(why, _files.union(others))
 
 
 @contextmanager
 def supervised(clock: Clock | None = None) -> Iterator[None]:
-    """Raise an `OwnCodeError` with line and time for errors that arise in custom code.
+    """Raise an `OwnCodeError` with line and time for errors in custom code.
 
-    Errors of Floorwalker's own kinds say themselves what is wrong, except that a `PlanningError`
-    does not know who asked for the path.
+    Floorwalker's own errors pass, because their messages suffice, except a `PlanningError`, which
+    does not name the caller.
     """
     try:
         yield
@@ -397,7 +387,7 @@ def supervised(clock: Clock | None = None) -> Iterator[None]:
 
 @contextmanager
 def broken_off() -> Iterator[None]:
-    """Raise an `OwnCodeError` with the line where Ctrl-C interrupts custom code."""
+    """Raise an `OwnCodeError` with the line at which Ctrl-C interrupts custom code."""
     try:
         yield
     except KeyboardInterrupt as why:
@@ -408,7 +398,7 @@ def broken_off() -> Iterator[None]:
 
 
 def is_under_way(frame: FrameType | None) -> bool:
-    """Return True if custom code runs in `frame`, or waits for what it called."""
+    """Return True if custom code is executing in `frame` or below it."""
     while frame is not None:
         if frame.f_code.co_filename in _files:
             return True

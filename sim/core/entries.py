@@ -1,11 +1,10 @@
-"""Entries of a trial: start conditions, manners, noticing, tracks, blackouts, commands, orders."""
+"""Entries of a trial: start conditions, manners, noticing, tracks, blackouts, commands."""
 
 from __future__ import annotations
 
 import math
 import sys
 import zlib
-from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, replace
 from datetime import date
 from random import Random
@@ -34,35 +33,35 @@ from floorplan.files.forms import Composed, Data, Written, written
 from .schedule import Drawn, Duration
 
 Pose = Annotated[tuple[Number, Number, Number], Expected("a pose [x, y, rotation]", list, tuple)]
-"""x, y in metres, rotation in radians."""
+"""Pose: x and y in metres, rotation in radians."""
 
 Place = Annotated[
     Point | str,
     Written(Pair | str),
     Expected("a position [x, y] or the name of a station or door", list, tuple, str),
 ]
-"""A position (x, y in metres), or the name of a station or a door."""
+"""Position (x, y in metres), or the name of a station or a door."""
 
 
 def is_number(value: Any) -> bool:
-    """Return whether `value` is a finite number, and not true or false."""
+    """Return whether `value` is a finite number, but no bool."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return number and abs(value) <= sys.float_info.max
 
 
 def seed_of(seed: int, what: str) -> int:
-    """Return the seed for `what` in a trial with this `seed`: the same whatever else is there."""
-    # Not `hash`, which is salted anew in every process.
+    """Return the seed for `what` in a trial with this `seed`, independent of other entries."""
+    # `hash` is salted in every process.
     return zlib.crc32(f"{seed} {what}".encode())
 
 
 def _as_text(value: Any) -> Any:
-    """Return a revision or a date, which YAML may read as a number or a date, as text."""
+    """Return text for a revision or date, which YAML may read as a number or a date."""
     return str(value) if isinstance(value, date) or is_number(value) else value
 
 
 Text = Annotated[str, BeforeValidator(_as_text)]
-"""A text, which may look like a number or a date."""
+"""Text that may look like a number or a date."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +102,7 @@ UNSIGNED = SignOff()
 
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")
-"""Conditions of a start or a change of personality, one of them."""
+"""Conditions of a start or a change of personality, of which one is given."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +151,7 @@ class Start(Keyed):
 
 
 AT_ONCE = Start()
-"""The beginning of the trial."""
+"""Start at the beginning of the trial."""
 
 
 def _view_fault(view: Any) -> str:
@@ -182,11 +181,11 @@ class NoticingEntry(Keyed):
 
 
 ALL_ROUND = NoticingEntry()
-"""Noticing of which nothing is given: by distance alone, and at once."""
+"""Noticing by default: by distance alone, without delay."""
 
 
 def drawn_figure(value: Drawn, seed: int, what: str) -> float:
-    """Return a figure, drawn for `what` from the `seed` of a trial unless it is fixed."""
+    """Return a value, drawn for `what` from the `seed` of a trial unless it is fixed."""
     random = Random(seed_of(seed, what))
     if isinstance(value, Duration):
         return value.draw(random)
@@ -194,7 +193,7 @@ def drawn_figure(value: Drawn, seed: int, what: str) -> float:
 
 
 def _at_least(least: float) -> Fits:
-    """Return the annotation of a figure, or of two that rise, from `least` on."""
+    """Return the rule for a number of at least `least`, or a range of such numbers."""
 
     def fault(value: float | tuple[float, float]) -> str:
         low, high = value if isinstance(value, tuple) else (value, value)
@@ -206,20 +205,20 @@ def _at_least(least: float) -> Fits:
 
 
 Spread = Annotated[float | tuple[float, float], Written(NotNegative | Range), _at_least(0.0)]
-"""A figure, or the least and the most between which each person has one of their own."""
+"""Number, or range from which a number is drawn for each person."""
 
 PositiveSpread = Annotated[float | tuple[float, float], Written(Positive | Range)]
-"""The same in a file, of figures above 0."""
+"""The same in a file, for positive numbers."""
 
 Side = Literal["right", "left"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class MannersEntry(Keyed):
-    """Manners of one person, or of each of several; what is None is as usual.
+    """Manners of one or several people. None is the default.
 
-    `comfort` is in metres, `time_gap`, `foresight`, `reaction_time` and `patience` in seconds. They
-    mean what they do in `sim.people.crowd.parameters.Manners`.
+    `comfort` is in metres, `time_gap`, `foresight`, `reaction_time` and `patience` in seconds. See
+    `sim.people.crowd.parameters.Manners`.
     """
 
     comfort: Spread | None = None
@@ -232,7 +231,7 @@ class MannersEntry(Keyed):
 
 
 AS_USUAL = MannersEntry()
-"""Manners of which nothing is given."""
+"""Default manners."""
 
 
 def _as_name(value: Any) -> Any:
@@ -310,7 +309,7 @@ class Blackout(Keyed):
 
 
 COMMANDS = ("send", "block", "clear", "hold", "release")
-"""The fields of a command of which it has one, unless it is a `call`."""
+"""Fields of a command, of which it has one unless it is a `call`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -393,102 +392,15 @@ class Command(ComposedKeys, Keyed):
 
     @property
     def at(self) -> float:
-        """Its time in seconds; infinity if it has none."""
+        """Time in seconds, or infinity without a time."""
         return math.inf if self.time is None else float(self.time)
-
-
-TYPES = ("battery", "pump", "regulator", "sensor")
-"""Types of parts."""
-
-
-COLORS = ("blue", "green", "orange", "purple", "red")
-"""Colours of parts."""
-
-
-@dataclass(frozen=True, order=True)
-class PartType:
-    """A kind of part: its colour and its type."""
-
-    color: str
-    type: str
-
-    def __str__(self) -> str:
-        return f"{self.color} {self.type}"
-
-
-@dataclass(frozen=True)
-class Item:
-    """One part as it lies somewhere; one that is `faulty` looks like any other."""
-
-    part: PartType
-    flipped: bool = False
-    faulty: bool = False
-
-
-@dataclass(frozen=True)
-class Load:
-    """Load of an AGV: the id of its tray, and an item in each quadrant (1 to 4) that has one."""
-
-    tray: int | None = None
-    items: Mapping[int, Item] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, kw_only=True)
-class KittingTask:
-    """Put a part into each quadrant of `products` on a tray, and send the AGV to `destination`."""
-
-    agv: str
-    tray: int
-    destination: str
-    products: Mapping[int, PartType]
-
-
-@dataclass(frozen=True)
-class AssemblyTask:
-    """Insert `products`, which `agvs` bring, at `station`."""
-
-    station: str
-    agvs: tuple[str, ...]
-    products: tuple[PartType, ...]
-
-
-@dataclass(frozen=True)
-class CombinedTask:
-    """Make a kit of `products` on any AGV, and insert them at `station`."""
-
-    station: str
-    products: tuple[PartType, ...]
-
-
-@dataclass(frozen=True)
-class Order:
-    """One order: its task, the condition of its announcement, and its priority."""
-
-    id: str
-    task: KittingTask | AssemblyTask | CombinedTask
-    _: KW_ONLY
-    announcement: Start = field(default_factory=Start)
-    priority: bool = False
-
-    @property
-    def kind(self) -> str:
-        """The kind of its task: kitting, assembly or combined."""
-        return type(self.task).__name__.removesuffix("Task").lower()
-
-
-@dataclass(frozen=True)
-class Malfunction:
-    """The ceiling robot stands for `seconds` from `start` on."""
-
-    start: Start
-    seconds: float
 
 
 @dataclass(frozen=True)
 class Drop(Keyed):
-    """The gripper loses a `part` once, `delay` seconds after it was picked, if it still holds it.
+    """Loss of a `part` by the gripper, `delay` seconds after the pick.
 
-    That is the next one of its name once `after` of them were picked.
+    It is the next part of this name after `after` of them were picked.
     """
 
     part: str = "part"
@@ -496,60 +408,22 @@ class Drop(Keyed):
     delay: NotNegative = 0.0
 
 
-@dataclass(frozen=True)
-class Conveyor:
-    """Parts that come along the conveyor, one every `seconds`: an item each, and its place across.
+@dataclass(frozen=True, kw_only=True)
+class OrderedWork:
+    """Orders of a trial from another file. See `sim.orders.workload`.
 
-    That is in metres from the middle of the belt. Where they come in `random_order`, it is drawn
-    from the trial's seed.
+    `blackouts` are those of the orders. `source` is the name of the file in the trial.
     """
 
-    parts: tuple[tuple[Item, float], ...] = ()
-    seconds: float = 1.0
-    random_order: bool = False
-
-    def coming(self, seed: int) -> list[tuple[float, Item, float]]:
-        """Return the instants (s) at which parts are put on it, the items, and their places."""
-        parts = [*self.parts]
-        if self.random_order:
-            Random(seed_of(seed, "conveyor")).shuffle(parts)
-        return [(self.seconds * k, *part) for k, part in enumerate(parts, start=1)]
-
-
-@dataclass(frozen=True)
-class ChallengePerson:
-    """A person of the human challenge, who begins at `start`."""
-
-    behavior: str
-    start: Start
-
-
-@dataclass(frozen=True)
-class Workload:
-    """The work of an ARIAC trial.
-
-    `bins` has the items in the slots (1 to 9) of each bin, `trays` the id of the tray in each
-    slot (1 to 6) of the tray tables, `loads` what is on the AGVs at the start. `faulty` has the
-    quadrants of kits in which the first part that is placed is faulty, by order; `drops` are the
-    parts that the gripper loses; others come along the `conveyor`. `time_limit` is in seconds, None
-    if there is none. `source` is the file it was read from, as the trial names it.
-    """
-
-    orders: tuple[Order, ...]
-    _: KW_ONLY
-    bins: Mapping[str, Mapping[int, Item]] = field(default_factory=dict)
-    trays: Mapping[int, int] = field(default_factory=dict)
-    loads: Mapping[str, Load] = field(default_factory=dict)
-    malfunctions: tuple[Malfunction, ...] = ()
-    humans: tuple[ChallengePerson, ...] = ()
-    faulty: Mapping[str, frozenset[int]] = field(default_factory=dict)
-    drops: tuple[Drop, ...] = ()
-    conveyor: Conveyor = Conveyor()
     blackouts: tuple[Blackout, ...] = ()
-    time_limit: float | None = None
     source: str = field(default="", compare=False)
 
     @property
+    def ids(self) -> tuple[str, ...]:
+        """Names of the orders."""
+        return ()
+
+    @property
     def parts(self) -> tuple[str, ...]:
-        """Names of all parts that can be, whether or not the trial has them."""
-        return tuple(str(PartType(color, type)) for color in COLORS for type in TYPES)
+        """Names of all parts that the orders may need."""
+        return ()

@@ -35,7 +35,7 @@ def keys_of_set(one: FieldSet) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Muting(Keyed):
-    """Muting of the fields of a machine: they are ignored meanwhile.
+    """Muting of the fields of a machine. Muted fields are ignored.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class MachineFields(Keyed):
 
     @cached_property
     def protective(self) -> ProtectiveFields:
-        """The field sets with the response time. `UserError` if they do not fit together."""
+        """Field sets with the response time. `UserError` if they do not fit together."""
         return ProtectiveFields(sets=self.sets, response_time=self.response_time)
 
     @property

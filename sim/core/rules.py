@@ -39,25 +39,25 @@ NO_TIME = "must be more than 0; for violations that leave the machine alone say 
 
 
 Lasting = Annotated[NotNegative, Fits(lambda seconds: "" if seconds else NO_TIME)]
-"""Time for which a machine is disabled, seconds."""
+"""Duration in seconds for which a machine is disabled."""
 
 Offset = Annotated[
     Number,
     Fits(lambda x: "" if abs(x) <= LARGEST else f"must be a length in metres, not {x!r}"),
 ]
-"""Place along a lane, metres; it may lie behind."""
+"""Offset along a lane in metres. Negative is backwards."""
 
 Parting = Annotated[float, Fits(lambda x: "" if x > 0 else f"must be more than 0, not {x!r}")]
-"""Distance at which two have parted, metres; it may be infinite."""
+"""Distance in metres at which an approach ends. It may be infinite."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Notice(Keyed):
     """Rule of noticing: a person notices the gantry that approaches and is inside `law`.
 
-    A person notices it once per approach. An approach ends when the distance has grown by
-    `parting` (m), or `every` (s) after it was noticed. For `silent` (s) after the start and after a
-    teleport, nothing is noticed.
+    A person notices it once per approach. An approach ends when the distance has grown by `parting`
+    (m), or `every` (s) after it was noticed. For `silent` (s) after the start and after a teleport,
+    nothing is noticed.
     """
 
     law: Scaled
@@ -262,7 +262,7 @@ RULE_SETS = {rules.name: rules for rules in (PAPER, ARIAC2023, OBSERVE, PROTECTI
 
 
 def rule_set(name: str) -> RuleSet:
-    """Return the built-in rule set `name`. Raises `ValueError` that lists the known names."""
+    """Return the built-in rule set `name`. `UserError` for an unknown name."""
     try:
         return RULE_SETS[name]
     except KeyError:

@@ -19,6 +19,7 @@ from floorplan import Floorplan, InputError, Point, Problem, SafeZone, UserError
 from floorplan.checks import starting_fault
 from floorplan.files.fields import (
     Expected,
+    Fits,
     Flag,
     Keyed,
     NotNegative,
@@ -28,6 +29,7 @@ from floorplan.files.fields import (
     whole,
 )
 from floorplan.files.forms import Written
+from floorplan.files.problems import suggestion
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
@@ -43,28 +45,38 @@ from .entries import (
     Drop,
     MannersEntry,
     NoticingEntry,
+    OrderedWork,
     Place,
     Pose,
     RecordedTrack,
     SignOff,
     Spread,
     Start,
-    Workload,
     seed_of,
 )
 from .fields import MachineFields
 from .rules import PAPER, RuleSet
-from .schedule import Break, DoorTimes, Drawn, Shift, TimedObstacle, WorkList, WorkTask
+from .schedule import (
+    Break,
+    Delay,
+    DoorTimes,
+    Drawn,
+    Length,
+    Shift,
+    TimedObstacle,
+    WorkList,
+    WorkTask,
+)
 from .stage import MachineEntry
 
 RECORDED = "recorded"
-"""The personality, in reports, of those who walk as they were measured."""
+"""Personality of recorded people in reports."""
 
 ANYWHERE = "anywhere"
-"""The place of who starts at a free place, drawn from the trial's seed."""
+"""Place of people who start at a random free position."""
 
 USUAL_PLANNER = PlannerChoice()
-"""The planner of people's paths where a trial names none."""
+"""Default path planner of people."""
 
 
 ASSUMED = (
@@ -79,7 +91,7 @@ ASSUMED = (
     "work",
     "recorded",
 )
-"""What a trial assumes, and whose source a report names."""
+"""Assumed values of a trial, whose sources a report names."""
 
 IN_FRONT = 0.05
 """Distance in metres between a door and a person who enters by it."""
@@ -95,10 +107,10 @@ NAME = r"[^\W\d_][\w-]*"
 Name = Annotated[str, Field(pattern=f"^{NAME}$")]
 
 Personality = Annotated[str | bdi.Program, Written(str)]
-"""A built-in name, an .asl file, "external", or a program itself."""
+"""Built-in name, .asl file, "external", or a program."""
 
 Planner = Annotated[PlannerChoice, Written(Any), AfterValidator(PlannerChoice.of)]
-"""A planner; in a file its name, or `{name: RRTConnect, range: 1.0}`."""
+"""Planner. A file contains its name, or `{name: RRTConnect, range: 1.0}`."""
 
 
 @dataclass(frozen=True)
@@ -165,7 +177,7 @@ class Source(Keyed):
 
 @lru_cache
 def _stream(seed: int, name: str, rate: float) -> tuple[list[float], Iterator[float]]:
-    """Return the known entry times (s) of a stream from its begin, and an iterator of others."""
+    """Return the cached entry times (s) of a stream, and an iterator of later ones."""
     random = Random(seed_of(seed, f"source {name}"))
     return [], accumulate(random.expovariate(rate) for _ in count())
 
@@ -437,7 +449,9 @@ class GantryEntry(Keyed):
     ----------
     controller : str or callable, optional
         Built-in name, `package.module:name`, or a function or class that takes a `GantryRobot` and
-        returns a generator.
+        returns a generator, or a target (x, y in metres, and share of the speed) if it has a rate.
+    rate : float, optional
+        Rate in Hz at which a function or class is called for a target.
     at : (float, float, float), optional
         Start pose: x and y in metres and rotation in radians. Defaults to that of the floorplan.
     jobs : tuple of Job, optional
@@ -452,6 +466,7 @@ class GantryEntry(Keyed):
 
     controller: Controller = "parked"
     _: KW_ONLY
+    rate: Positive | None = None
     at: Pose | None = None
     jobs: tuple[Annotated[Job, Written(_WrittenJob)], ...] = ()
     repeat: Flag = False
@@ -483,6 +498,27 @@ class AgvMove(Keyed):
     every: Positive | None = None
 
 
+LARGEST_SEED = 2**63 - 1
+"""Largest seed. Tables and recordings store 63 bits."""
+
+
+def _seed_fault(seed: int) -> str:
+    if isinstance(seed, int) and 0 <= seed <= LARGEST_SEED:
+        return ""
+    value = "a larger one" if isinstance(seed, int) and seed > 0 else repr(seed)
+    return f"must be a whole number from 0 to 2**63 - 1, not {value}"
+
+
+Seed = Annotated[int, whole(0, LARGEST_SEED, _seed_fault)]
+"""Random seed of a trial."""
+
+
+def _assumed_fault(name: str) -> str:
+    if name in ASSUMED:
+        return ""
+    return f"{name!r} is not an assumed value; {suggestion(name, ASSUMED)}"
+
+
 @dataclass(frozen=True)
 class Scenario:
     """Values that define a run. See `Trial` for their meaning."""
@@ -490,10 +526,10 @@ class Scenario:
     floorplan: Floorplan
     _: KW_ONLY
     name: str = "trial"
-    duration: float = 275.0
-    seed: int = 0
+    duration: Length = 275.0
+    seed: Seed = 0
     rules: RuleSet = PAPER
-    planner: PlannerChoice = USUAL_PLANNER
+    planner: Planner = USUAL_PLANNER
     people: tuple[PersonEntry, ...] = ()
     gantry: GantryEntry = GantryEntry()
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
@@ -505,24 +541,24 @@ class Scenario:
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()
     floorplan_source: str = field(default="", compare=False)
-    workload: Workload | None = None
+    workload: OrderedWork | None = None
     until_submitted: bool = False
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     own_code: bool = field(default=True, compare=False)
-    work: dict[str, WorkList] = field(default_factory=dict)
+    work: dict[Name, WorkList] = field(default_factory=dict)
     doors: dict[str, DoorTimes] = field(default_factory=dict)
     obstacles: tuple[TimedObstacle, ...] = ()
     blackouts: tuple[Blackout, ...] = ()
     commands: tuple[Command, ...] = ()
-    sources: dict[str, str] = field(default_factory=dict)
+    sources: dict[Annotated[str, Fits(_assumed_fault)], str] = field(default_factory=dict)
     counterfactual: Literal["without machines", "without people"] | None = None
-    warm_up: float = 0.0
+    warm_up: Delay = 0.0
     sign_off: SignOff = UNSIGNED
-    traffic: bool = True
+    traffic: Flag = True
 
     @property
     def code_folder(self) -> CodeFolder:
-        """The folder in which the code stands that it names."""
+        """Folder of its custom code."""
         return CodeFolder(self.folder, self.own_code)
 
     def with_people(self, change: Callable[[PersonEntry], PersonEntry]) -> Self:

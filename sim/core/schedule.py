@@ -51,7 +51,7 @@ _SHIFT = rf"({_TIME})\s*(?:-|–|to)\s*({_TIME})"
 
 
 class ClockTime(float):
-    """Seconds of a trial that were given as a time of day, which is the text `given`."""
+    """Time of a trial (s) that was given as the time of day `given`."""
 
     given: str
 
@@ -63,12 +63,12 @@ class ClockTime(float):
 
 
 def as_given(time: float) -> str:
-    """Return an instant of a trial as its file has it: a time of day, or seconds."""
+    """Return a time of a trial in the form of its file: a time of day, or seconds."""
     return time.given if isinstance(time, ClockTime) else f"{time:,.12g} s"
 
 
 def time_of_day(text: Any) -> float:
-    """Return the seconds since midnight of a text as 09:00 or 09:00:30; `ValueError` if none."""
+    """Return the seconds since midnight of a text such as 09:00 or 09:00:30."""
     if not isinstance(text, str):
         raise UserError(f"expected a time of day in quotes, as '09:00', found {text!r}")
     parts = [int(part) for part in text.split(":")] if re.fullmatch(_TIME, text) else [24]
@@ -79,9 +79,9 @@ def time_of_day(text: Any) -> float:
 
 
 def _instant(value: Any, number: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
-    """Return the seconds of a trial at a time of day, on the day on which it begins or the next.
+    """Return the time of a trial (s) at a time of day, within a day of its begin.
 
-    The context has the time of day at which it `begins`.
+    The context contains the time of day at which it `begins`.
     """
     if value is _FOR_EVER:
         return math.inf
@@ -92,14 +92,14 @@ def _instant(value: Any, number: ValidatorFunctionWrapHandler, info: ValidationI
 
 
 _FOR_EVER = object()
-"""The end of an interval of which only the begin is given."""
+"""End of an interval without an end."""
 
 Time = Annotated[NotNegative, WrapValidator(_instant)]
 """Seconds, or a time of day."""
 
 
 def _seconds(value: Any) -> Any:
-    # Text without a unit is left to the check of numbers, which explains 1e3.
+    # The check of numbers explains text without a unit, such as 1e3.
     if not isinstance(value, str) or value[-1:].isdigit():
         return value
     found = re.fullmatch(_LENGTH, value)
@@ -109,16 +109,16 @@ def _seconds(value: Any) -> Any:
 
 
 Length = Annotated[Positive, BeforeValidator(_seconds)]
-"""Seconds, or a text as `12 min`."""
+"""Seconds, or a text such as `12 min`."""
 
 Delay = Annotated[NotNegative, BeforeValidator(_seconds)]
-"""The same, or 0."""
+"""Seconds, or a text such as `12 min`, including 0."""
 
 
 Kind = Literal["fixed", "uniform", "triangular", "normal", "lognormal", "exponential"]
 
 SHORTEST = 0.1
-"""Seconds. Draws that are shorter count as this long."""
+"""Seconds. Minimum of random durations."""
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ class Duration:
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnKeys(Keyed):
-    """A distribution in a file: its kind, with its figures."""
+    """Keys of a distribution: its kind with its parameters."""
 
     uniform: tuple[NotNegative, NotNegative] | None = None
     triangular: tuple[NotNegative, NotNegative, NotNegative] | None = None
@@ -213,14 +213,14 @@ _Distribution = Annotated[DrawnKeys, AfterValidator(DrawnKeys.value)]
 
 
 def _form(value: Any) -> str:
-    """Return which form a figure that may be drawn has."""
+    """Return the form of a value that may be drawn."""
     if isinstance(value, dict | DrawnKeys):
         return "distribution"
     return "range" if isinstance(value, list | tuple) else "figure"
 
 
 def _drawn_fault(value: float | tuple[float, float] | Duration) -> str:
-    """Return why a figure can't be drawn so, or an empty text."""
+    """Return why a value cannot be drawn, or an empty text."""
     if isinstance(value, tuple):
         fits = SMALLEST <= value[0] <= value[1] <= LARGEST
         return "" if fits else f"must be [least, most], above 0, not {[*value]}"
@@ -246,7 +246,7 @@ Drawn = Annotated[
     ),
     Fits(_drawn_fault),
 ]
-"""A figure; the least and the most, between which it is drawn evenly; or a distribution."""
+"""Number, range of a uniform distribution, or other distribution."""
 
 
 def _fixed(value: Duration | float) -> Duration:
@@ -314,7 +314,7 @@ class WorkTask(Keyed):
 
 
 Break = Annotated[WorkTask, AfterValidator(lambda task: replace(task, name=task.name or "break"))]
-"""A task that is a break, and called so unless it has a name."""
+"""Task that is a break, which is its default name."""
 
 
 @dataclass(frozen=True)
@@ -370,17 +370,17 @@ Shift = Annotated[
     BeforeValidator(_ends),
     AfterValidator(_over_midnight),
 ]
-"""Begin and end, seconds; in a file also a text, `06:00 - 14:00`."""
+"""Begin and end in seconds. A file may contain a text, `06:00 - 14:00`."""
 
 Interval = Annotated[Shift, BeforeValidator(_or_for_ever)]
-"""From when to when, seconds; the end may be infinite. In a file that is a begin alone."""
+"""Begin and end in seconds. The end may be infinite, which a file writes as the begin alone."""
 
 Intervals = Annotated[tuple[Interval, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True)
 class DoorTimes(Keyed):
-    """When a door is closed, or when it is open; it is the other one in between."""
+    """Times at which a door is closed, or open. In between it is the opposite."""
 
     closed: Intervals | None = None
     open: Intervals | None = None
@@ -393,7 +393,7 @@ class DoorTimes(Keyed):
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
-        """The times that are given, whichever they are."""
+        """Intervals of either kind."""
         return (self.closed or ()) + (self.open or ())
 
     def is_open(self, t: float) -> bool:
@@ -407,7 +407,7 @@ def _obstacle_keys(timed: TimedObstacle) -> Data:
 
 @dataclass(frozen=True)
 class TimedObstacle(ComposedKeys):
-    """An obstacle that stands on the floor within the intervals of `there`."""
+    """Obstacle that is present during the intervals of `there`."""
 
     obstacle: Annotated[
         Obstacle,
@@ -423,9 +423,9 @@ def within(intervals: Iterable[Interval], t: float) -> bool:
 
 
 def times_until(end: float, begin: float, every: float | None) -> int:
-    """Return how often something is there until `end` being there at `begin` and `every` so often.
+    """Return the number of repetitions from `begin` until `end` with the period `every` (s).
 
-    All are seconds. It is there at least once, and only once where a figure can't be.
+    It is at least 1, and 1 if the numbers are invalid.
     """
     found = (end - begin) / every if every else 0.0
     return max(1, math.ceil(found)) if math.isfinite(found) else 1

@@ -63,7 +63,7 @@ Action = Callable[[], None]
 
 @dataclass
 class _Waiting:
-    """Somebody waits for `start`, and has seen it `seen` times."""
+    """Person waiting for `start`, which has occurred `seen` times."""
 
     start: Start
     who: str | None
@@ -80,10 +80,7 @@ class Triggers:
         self._each: dict[str, list[Callable[[Event], None]]] = {}
 
     def add(self, start: Start, action: Action, who: str | None = None) -> None:
-        """Call `action` at the time of `start`, or as soon as what it names has happened.
-
-        `who` is the person who waits.
-        """
+        """Call `action` when the condition `start` of the person `who` is met."""
         if start.time is not None:
             self._clock.call_at(start.time, action)
         else:
@@ -104,7 +101,7 @@ class Triggers:
                 if waiting.seen == waiting.start.count:
                     due.append(waiting)
         if due:
-            # Off the list before any action, which may wait for something, or cause events, itself.
+            # Remove them before the actions, which may add others or cause events.
             self._waiting = [waiting for waiting in self._waiting if waiting not in due]
         for waiting in due:
             waiting.action()
@@ -123,68 +120,68 @@ def _is(event: Event, start: Start, who: str | None) -> bool:
 
 
 class Bystander(Protocol):
-    """A person as the referee and machines know them."""
+    """Person as seen by the referee and machines."""
 
     @property
     def name(self) -> str:
-        """Their name."""
+        """Name of the person."""
         ...
 
     @property
     def body(self) -> Body:
-        """Their body."""
+        """Body of the person."""
         ...
 
     @property
     def radius(self) -> float:
-        """Radius of their body in metres."""
+        """Radius of the body in metres."""
         ...
 
     @property
     def is_recorded(self) -> bool:
-        """True of somebody who walks as they were measured: nobody can put them elsewhere."""
+        """Whether the person follows a recorded track, and cannot be moved elsewhere."""
         ...
 
     @property
     def started_at(self) -> float | None:
-        """When they started, seconds."""
+        """Time of the start in seconds."""
         ...
 
     @property
     def away(self) -> bool:
-        """Whether they are not on the floor: not yet, or not any more."""
+        """Whether the person is not on the floor now."""
         ...
 
     @property
     def reaction_time(self) -> float:
-        """Seconds from when they see something until they perceive it."""
+        """Seconds between seeing and perceiving."""
         ...
 
     def sees(self, machine: Machine) -> bool:
-        """Return whether they can see `machine` now."""
+        """Return whether the person can see `machine` now."""
         ...
 
     def warn(self, percept: str, machine: Machine) -> None:
-        """Perceive `percept` about a machine, and go home for a violation."""
+        """Add a percept about a machine. After a violation, the person goes home."""
         ...
 
     def floor_changed(self, came: Collection[str]) -> None:
-        """Take note that something has come to be, or is no longer, in people's way.
+        """Replan after obstacles were added or removed.
 
-        `came` are the names of what stands since now where it did not before.
+        `came` has the names of the added ones.
         """
         ...
 
     def send(self, to: Point) -> bool:
-        """Walk to a place, or near it; return whether they set out."""
+        """Walk to a place, or near it. Return whether the person starts."""
         ...
 
 
 class Machines(dict[str, Machine]):
-    """Machines by name; `UserError` for an unknown name."""
+    """Machines by name. `UserError` for an unknown name."""
 
     def __missing__(self, name: object) -> Machine:
-        """Name the nearest machine."""
+        """Raise `UserError` with the most similar name."""
         raise UserError(f"there is no machine {name!r}; {suggestion(str(name), self)}")
 
 
@@ -325,7 +322,7 @@ class Stage(InProgress):
         for machine in self.vehicles:
             motion = machine.body.motion
             if self._at_rest.get(machine) is motion:
-                continue  # it stands where it was put
+                continue  # recorded positions remain
             for world in self._worlds.values():
                 machine.stand_in(world)
             if motion.end <= self.clock.now:
@@ -354,10 +351,7 @@ class Stage(InProgress):
         self._change()
 
     def _rules_for(self, person: str) -> frozenset[str]:
-        """Return the zones in which a person may not be, and the one-way gates that bind them.
-
-        Nobody in particular is called "".
-        """
+        """Return the forbidden zones and one-way gates of a person. "" is the name of anybody."""
         plan = self.floorplan
         zones = {zone.name for zone in plan.zones if zone.forbidden and zone.is_about(person)}
         return frozenset(zones | {gate.name for gate in plan.one_ways if gate.is_about(person)})
@@ -391,7 +385,7 @@ class Stage(InProgress):
             self.record(event)
 
     def _change(self) -> None:
-        """Let everything be as it is from now on, and everybody see that."""
+        """Update the closures of the current time, and notify all people and machines."""
         timed = {} if self.closures is None else self.closures.at(self.clock.now)
         before, there = self.active_closures, timed | self.placed
         if before.keys() == there.keys():
@@ -563,7 +557,7 @@ class MachineModel(ABC):
 
     @property
     def loads(self) -> tuple[bool, ...]:
-        """Whether machines of this model are loaded: one value, or both if that changes."""
+        """Load states of machines of this model: one value, or both if the load changes."""
         return (False,)
 
 

@@ -13,9 +13,10 @@ from .parallel import ParallelFloorEnv
 
 __all__ = ["FloorEnv", "Interface", "ParallelFloorEnv", "Transition", "usual_reward"]
 
-for _name in ("Amr", "Gantry"):
+# A gantry has no laser scanner, unless `rays` asks for one.
+for _name, _keys in (("Amr", {}), ("Gantry", {"rays": 0})):
     gymnasium.register(
         f"floorwalker/{_name}-v0",
         "sim.gym:FloorEnv",
-        kwargs={"trial": str(FOLDER / f"{_name.lower()}.study.yaml")},
+        kwargs={"trial": str(FOLDER / f"{_name.lower()}.study.yaml"), **_keys},
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from floorplan import InputError, UserError
 
+from ..core.entries import Pose
 from ..core.recorder import Event, Listener
 from ..machines.policy import (
     ActionBounds,
@@ -37,9 +37,6 @@ FOLDER = Path(__file__).parent.parent / "data" / "gym"
 MOST_DRAWS = 100
 """Number of draws after which a reset gives up."""
 
-LEVELS = (-1.0, 0.0, 1.0)
-"""Shares of each bound that discrete actions of a vehicle combine."""
-
 
 @dataclass(frozen=True)
 class Transition:
@@ -59,8 +56,10 @@ class Transition:
         Number of contacts with people, the floor or machines.
     penalties : int
         Number of penalties.
-    margin : float
-        Least distance minus required distance to a person now, in metres.
+    goal : (float, float, float) or None
+        Goal now: x, y in metres and rotation in radians, or None if all are reached.
+    observation : dict
+        The observation, as arrays.
     """
 
     machine: PolicyDriven
@@ -69,7 +68,18 @@ class Transition:
     goals: int
     contacts: int
     penalties: int
-    margin: float
+    goal: Pose | None
+    observation: Observation
+
+    @property
+    def margin(self) -> float:
+        """Least distance minus required distance to a person now, in metres."""
+        return float(self.observation["margin"][0])
+
+    @property
+    def done(self) -> bool:
+        """Whether all goals are reached, or the machine has touched something."""
+        return self.contacts > 0 or self.goal is None
 
 
 def usual_reward(step: Transition) -> float:
@@ -105,7 +115,7 @@ class Episodes:
                 continue
             self.ticks.advance({})
             for name in self.names:
-                self._goals[name], self._distances[name] = self._goal(name)
+                self._note(name, self.ticks.machines[name].goal_pose)
             return
         raise UserError(f"none of {MOST_DRAWS} draws of {self.study.name} can be run: {fault}")
 
@@ -117,7 +127,8 @@ class Episodes:
         """Return what has happened to a machine since the last tick."""
         machine, events = self.ticks.machines[name], tuple(self.ticks.events)
         before, distance = self._goals[name], self._distances[name]
-        self._goals[name], self._distances[name] = self._goal(name)
+        goal = machine.goal_pose
+        self._note(name, goal)
         goals = sum(
             one["kind"] == "job_done" and one.get("machine", name) == name for one in events
         )
@@ -133,7 +144,8 @@ class Episodes:
             goals=goals,
             contacts=kinds.count("contact") + kinds.count("collision"),
             penalties=sum(one["kind"] == "penalty" for one in events),
-            margin=self.interface.margin(machine),
+            goal=goal,
+            observation=self.observe(name),
         )
 
     def info(self, step: Transition) -> dict[str, Any]:
@@ -141,12 +153,11 @@ class Episodes:
         now = self.ticks.simulation.clock.now
         return {"time": now, "events": step.events, "cost": max(0.0, -step.margin)}
 
-    def _goal(self, name: str) -> tuple[tuple[float, float] | None, float]:
-        machine = self.ticks.machines[name]
-        goal = machine.goal_pose
-        if goal is None:
-            return None, 0.0
-        return (goal[0], goal[1]), math.dist(goal[:2], machine.position[:2])
+    def _note(self, name: str, goal: Pose | None) -> None:
+        """Remember a goal without its rotation, and its distance now."""
+        place = self.ticks.machines[name].position[:2]
+        self._goals[name] = None if goal is None else goal[:2]
+        self._distances[name] = 0.0 if goal is None else math.dist(goal[:2], place)
 
 
 def study_of(source: str | Path | Trial | Study) -> Study:
@@ -183,12 +194,9 @@ class Spaces:
             )
             self.observation = spaces.Box(low, high, dtype=np.float32)
         self._actions = ActionBounds(machine)
-        count = self._actions.count
-        self._choices: list[tuple[float, ...]] = []
-        self.action: spaces.Space[Any] = spaces.Box(-1.0, 1.0, (count,), np.float32)
+        self.action: spaces.Space[Any] = spaces.Box(-1.0, 1.0, (self._actions.count,), np.float32)
         if actions == "discrete":
-            self._choices = [*itertools.product(LEVELS, repeat=count)]
-            self.action = spaces.Discrete(len(self._choices))
+            self.action = spaces.Discrete(len(self._actions.choices))
 
     def observed(self, observation: Observation) -> Observation | Array:
         """Return an observation as the space has it."""
@@ -196,10 +204,8 @@ class Spaces:
 
     def chosen(self, action: Any) -> list[float]:
         """Return an action as numbers. `ValueError` says what is wrong with it."""
-        if self._choices:
-            if not self.action.contains(action):
-                raise UserError(f"action must be 0 to {len(self._choices) - 1}, not {action!r}")
-            action = self._choices[int(action)]
+        if isinstance(self.action, spaces.Discrete):
+            return self._actions.choice(action)
         return self._actions.command(action)
 
 
@@ -295,12 +301,10 @@ class FloorEnv(gymnasium.Env[Any, Any]):
         """
         self.episodes.ticks.advance({self.name: self._spaces.chosen(action)})
         step = self.episodes.step(self.name)
-        observation = self._spaces.observed(self.episodes.observe(self.name))
-        done = step.contacts > 0 or step.machine.goal_pose is None
         return (
-            observation,
+            self._spaces.observed(step.observation),
             float(self._reward(step)),
-            done,
+            step.done,
             self.episodes.ticks.over,
             self.episodes.info(step),
         )

@@ -83,9 +83,10 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
             self._random = np.random.default_rng(seed)
         self.episodes.reset(int(self._random.integers(2**31)))
         self.agents, self._picture, self._stands = [*self.possible_agents], None, {}
-        return self._observed(self.agents), {
-            name: {"time": 0.0, "cost": 0.0} for name in self.agents
+        observed = {
+            name: self._spaces[name].observed(self.episodes.observe(name)) for name in self.agents
         }
+        return observed, {name: {"time": 0.0, "cost": 0.0} for name in self.agents}
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
         """Carry out the actions of all machines until the next tick, as `FloorEnv.step` does."""
@@ -98,13 +99,13 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         ticks.advance(chosen)
         agents, over = self.agents, ticks.over
         steps = {name: self.episodes.step(name) for name in agents}
-        done = {n: one.contacts > 0 or one.machine.goal_pose is None for n, one in steps.items()}
+        done = {name: one.done for name, one in steps.items()}
         for name in agents:
             if done[name]:
                 self._stands[name] = ticks.machines[name].stop_action
         self.agents = [name for name in agents if not (done[name] or over)]
         return (
-            self._observed(agents),
+            {name: self._spaces[name].observed(one.observation) for name, one in steps.items()},
             {name: float(self._reward(one)) for name, one in steps.items()},
             done,
             dict.fromkeys(agents, over),
@@ -118,6 +119,3 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         if self._picture is None:
             self._picture = Picture(self.episodes.ticks.simulation)
         return self._picture.frame(None)
-
-    def _observed(self, agents: Sequence[str]) -> dict[str, Any]:
-        return {name: self._spaces[name].observed(self.episodes.observe(name)) for name in agents}

@@ -151,18 +151,21 @@ def with_controller(
     Built-in controllers and generators have no `rate`. `MachineError` if there is no such machine,
     and `ControllerError` if there is no such controller.
     """
+    rateless = controller in VEHICLE_CONTROLLERS or inspect.isgeneratorfunction(controller)
     machines = {}
     for name, entry in scenario.machines.items():
         names = keys_of(entry, scenario) or (["controller"] if name == machine else [])
         if machine in ("", name) and "controller" in names:
             keys = {**entry.keys, "controller": controller}
-            if controller in VEHICLE_CONTROLLERS or inspect.isgeneratorfunction(controller):
+            if rateless:
                 keys.pop("rate", None)
             machines[name] = replace(entry, keys=keys)
     changed = replace(scenario, machines=scenario.machines | machines)
     if machine in ("", GANTRY) and (scenario.floorplan.gantry is not None or not machines):
         controller_source(controller, scenario.code_folder)
-        return replace(changed, gantry=replace(scenario.gantry, controller=controller))
+        rate = None if rateless else scenario.gantry.rate
+        gantry = replace(scenario.gantry, controller=controller, rate=rate)
+        return replace(changed, gantry=gantry)
     if not machines:
         raise MachineError(f"no machine with a controller is called {machine!r}")
     return changed

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -165,6 +166,22 @@ class ActionBounds:
         if bad.any():
             k = int(bad.argmax())
             raise UserError(f"action[{k}] must be -1 to 1, not {values[k]:g}")
+        return self._scaled(values)
+
+    @cached_property
+    def choices(self) -> list[tuple[float, ...]]:
+        """Discrete actions: all combinations of -1, 0 and 1."""
+        return [*itertools.product((-1.0, 0.0, 1.0), repeat=self.count)]
+
+    def choice(self, number: Any) -> list[float]:
+        """Return the command of a discrete action. `ValueError` if there is none."""
+        try:
+            return self._scaled(np.array(self.choices[range(len(self.choices)).index(number)]))
+        except ValueError:
+            last = len(self.choices) - 1
+            raise UserError(f"action must be 0 to {last}, not {number!r}") from None
+
+    def _scaled(self, values: NDArray[np.float64]) -> list[float]:
         command: list[float] = (self._middle + np.clip(values, -1, 1) * self._half).tolist()
         return command
 

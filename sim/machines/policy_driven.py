@@ -38,6 +38,9 @@ class PolicyDriven(TaskedMachine):
     def stop_action(self) -> list[float]:
         """Action with which the machine stops."""
 
+    def begin_mission(self) -> None:
+        """Record the start of the current mission, once. A gantry has none."""
+
     def count_goals(self, radius: float) -> None:
         """Complete the missions whose goals are near. A gantry has none.
 
@@ -55,7 +58,8 @@ class PolicyDriven(TaskedMachine):
         ----------
         action : sequence of float
             Of a vehicle: its twist, which is m/s forwards, m/s to the left (of a holonomic drive
-            only) and rad/s. Of a gantry: its target (x, y in metres) and the share of its speed.
+            only) and rad/s. Of a gantry: its target (x, y in metres) and the share of its speed,
+            which is 1 if it is omitted.
         until : float
             Time of the next tick in seconds.
         radius : float

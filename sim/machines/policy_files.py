@@ -47,9 +47,10 @@ class PolicyFile:
 
     def _controller(self, machine: PolicyDriven) -> Steps:
         actions, interface = ActionBounds(machine), self._interface
+        output = self._session.get_outputs()[0]
         for node, count, what in (
             (self._session.get_inputs()[0], interface.size, "input"),
-            (self._session.get_outputs()[0], actions.count, "output"),
+            (output, 1 if "int" in output.type else actions.count, "output"),
         ):
             size = node.shape[-1] if node.shape else None
             if isinstance(size, int) and size != count:
@@ -63,6 +64,8 @@ class PolicyFile:
         observation = flat(self._interface.observe(machine))[np.newaxis]
         node = self._session.get_inputs()[0].name
         action = np.asarray(self._session.run(None, {node: observation})[0]).ravel()
+        if np.issubdtype(action.dtype, np.integer):
+            return actions.choice(action.item())
         return actions.command(np.clip(action, -1.0, 1.0))
 
     @cached_property

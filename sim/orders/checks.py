@@ -9,9 +9,9 @@ from floorplan import Floorplan, Problem
 from floorplan.files.documents import Document
 from floorplan.files.problems import Place, suggestion
 
-from ..core.entries import KittingTask, Order, PartType, Workload
 from .inventory import errands, lacking
 from .schema import AriacTrialFile, Challenge, OrderEntry, StartCondition, angle
+from .workload import KittingTask, Order, PartType, Workload
 
 
 def problems(file: AriacTrialFile, plan: Floorplan, document: Document) -> Iterator[Problem]:

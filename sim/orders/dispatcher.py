@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 from ..core.body import Machine
-from ..core.entries import AssemblyTask, CombinedTask, KittingTask, Order, Workload
 from ..core.events import OrderAnnounced, OrderSubmitted
 from ..core.stage import Stage
 from ..machines.agv.agv import Agv
@@ -15,6 +14,7 @@ from ..machines.gantry.robot import GantryRobot
 from .inventory import Belt, Fleet, Inventory
 from .scoring import best_score
 from .work import AssemblyWork, CombinedWork, KittingWork, Shop, Work, when_all_are_done
+from .workload import AssemblyTask, CombinedTask, KittingTask, Order, Workload
 
 
 class _OrderProgress:

@@ -16,12 +16,12 @@ from floorplan import Floorplan, Lane, Point
 from navigation import Motion
 from navigation.motion import Piece
 
-from ..core.entries import Conveyor, Item, Load, PartType, Workload
 from ..core.events import PartCame, PartMissed, PartTaken
 from ..core.stage import Stage
 from ..machines.agv.agv import Agv
 from ..machines.tasks import Passing, Step
 from .scoring import Inserted
+from .workload import Conveyor, Item, Load, PartType, Workload
 
 Offset = tuple[float, float]
 

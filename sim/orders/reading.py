@@ -13,22 +13,7 @@ import floorplan
 from floorplan import Floorplan, Problem
 from floorplan.files.documents import Document
 
-from ..core.entries import (
-    AssemblyTask,
-    Blackout,
-    ChallengePerson,
-    CombinedTask,
-    Conveyor,
-    Drop,
-    Item,
-    KittingTask,
-    Load,
-    Malfunction,
-    Order,
-    PartType,
-    Start,
-    Workload,
-)
+from ..core.entries import Blackout, Drop, Start
 from ..core.rules import ARIAC2023
 from ..core.scenario import GantryEntry, PersonEntry, Scenario, TrialError
 from ..machines.gantry.robot import GANTRY
@@ -46,6 +31,19 @@ from .schema import (
     OrderEntry,
     Parts,
     StartCondition,
+)
+from .workload import (
+    AssemblyTask,
+    ChallengePerson,
+    CombinedTask,
+    Conveyor,
+    Item,
+    KittingTask,
+    Load,
+    Malfunction,
+    Order,
+    PartType,
+    Workload,
 )
 
 FLOOR = "ariac2023"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..core.scenario import Scenario
+from .workload import Workload
 
 
 def has_orders(trial: Scenario) -> bool:
@@ -10,9 +11,14 @@ def has_orders(trial: Scenario) -> bool:
     return trial.workload is not None and trial.floorplan.gantry is not None
 
 
+def _workload(trial: Scenario) -> Workload | None:
+    """Return the workload if a gantry can work on it."""
+    return trial.workload if has_orders(trial) and isinstance(trial.workload, Workload) else None
+
+
 def has_faulty_parts(trial: Scenario) -> bool:
     """Return True if the quality check may find faulty parts."""
-    work = trial.workload if has_orders(trial) else None
+    work = _workload(trial)
     return work is not None and (
         bool(work.faulty)
         or any(item.faulty for slots in work.bins.values() for item in slots.values())
@@ -21,12 +27,12 @@ def has_faulty_parts(trial: Scenario) -> bool:
 
 def has_conveyor(trial: Scenario) -> bool:
     """Return True if parts arrive on a conveyor."""
-    work = trial.workload if has_orders(trial) else None
+    work = _workload(trial)
     return work is not None and bool(work.conveyor.parts)
 
 
 def has_drops(trial: Scenario) -> bool:
     """Return True if a gripper drops parts."""
     more = (entry.keys.get("drops") for entry in trial.machines.values())
-    ordered = () if trial.workload is None else trial.workload.drops
+    ordered = trial.workload.drops if isinstance(trial.workload, Workload) else ()
     return any((trial.gantry.drops, ordered, *more))

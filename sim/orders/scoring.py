@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from ..core.entries import AssemblyTask, CombinedTask, KittingTask, Load, PartType
+from .workload import AssemblyTask, CombinedTask, KittingTask, Load, PartType
 
 TRAY_POINTS = 3
 KIT_PART_POINTS = 3

@@ -11,7 +11,6 @@ from typing import Any
 
 from floorplan import Floorplan, Point
 
-from ..core.entries import AssemblyTask, CombinedTask, Item, KittingTask, Load, Order, PartType
 from ..core.events import PartFaulty
 from ..core.recorder import Record
 from ..machines.gantry.tasks import Handling
@@ -33,6 +32,7 @@ from .inventory import (
     tray_slot,
 )
 from .scoring import assembly_score, kitting_score
+from .workload import AssemblyTask, CombinedTask, Item, KittingTask, Load, Order, PartType
 
 Found = tuple[Item, Step]
 """A part, and the step that picks it."""

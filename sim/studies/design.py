@@ -23,7 +23,8 @@ from floorplan.files.problems import field_name, suggestion
 from floorplan.files.reading import is_there
 
 from ..core.entries import is_number
-from ..trials.checks import LARGEST_SEED, faults, name_fault
+from ..core.scenario import LARGEST_SEED
+from ..trials.checks import faults, name_fault
 from ..trials.expectations import summary_fields
 from ..trials.trial import Trial
 from .repeats import UntilKeys

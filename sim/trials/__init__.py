@@ -1,5 +1,5 @@
-"""Trials: their values, their files, and what is expected of their runs.
+"""Trials: files, checks and expectations.
 
-`keys` says what a file may have, `building` makes a trial of it, `checks` says what can't be,
-however it was made, and `writing` writes it again. `expectations` holds a run to what was expected.
+`keys` declares the keys of a file, `building` builds the trial from them, `checks` finds faults of
+any trial, and `writing` writes the file. `expectations` compares a run with the expectations.
 """

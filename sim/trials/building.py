@@ -1,8 +1,8 @@
-"""Trials as their files have them: build, shorten, and warn about likely mistakes."""
+"""Trials built from their files, shortened, and checked for likely mistakes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from pathlib import Path
@@ -21,16 +21,17 @@ from ..core.scenario import PersonEntry, Scenario, TrialError, spot
 from ..core.schedule import DoorTimes, Interval
 from ..core.stage import MachineEntry
 from ..machines.agv.model import MOST_MOVES, number_of
-from ..machines.gantry.controllers import controller_source
+from ..machines.gantry.controllers import CONTROLLER
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
+from ..machines.rated import find_program
 from ..machines.supervision import ControllerError
 from ..people.programs import load_program, modules_of
 from ..people.tracks.recorded_walks import bodies_of
 from .checks import faults, keep_sound
 from .feasibility import people_fault
 from .field_checks import field_slips
-from .keys import TrialKeys, begins_in, commanded
+from .keys import DerivedKeys, PersonKeys, TrialKeys, begins_in, commanded
 from .reachability import unreachable_stations
 from .rules_file import build_rules
 from .writing import out_of_reach
@@ -39,7 +40,7 @@ _Made = TypeVar("_Made", bound=Scenario)
 
 
 def lasting(trial: _Made, seconds: float) -> _Made:
-    """Return the trial with this duration; what would begin after its end is left out."""
+    """Return the trial with this duration (s), without entries that would begin after its end."""
     if seconds >= trial.duration:
         return replace(trial, duration=seconds, until_submitted=False)
     timed = ((one, _begun(one.there, seconds)) for one in trial.obstacles)
@@ -78,17 +79,16 @@ def _begun(intervals: tuple[Interval, ...], end: float) -> tuple[Interval, ...]:
 
 
 FASTEST = 4.0
-"""m/s. Whoever is faster runs."""
+"""m/s. Largest plausible walking speed."""
 
 VISITOR = "visitor"
-"""The built-in personality that goes to its sink."""
+"""Built-in personality that goes to its sink."""
 
 
 def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
-    """Return a notice on each likely slip: a name that is nobody's, an idle sink, an odd figure.
+    """Return notices of likely mistakes: unknown names, unused sinks and implausible numbers.
 
-    Names in rule sets and floors of files of their own may be those of other trials: they are left
-    out.
+    Names in rule sets and floors of separate files may belong to other trials, and are skipped.
     """
     faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
     entries = document.data.get("people") or ()
@@ -99,9 +99,9 @@ def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
 
 
 def _laws(trial: Scenario, rules: Any) -> Iterator[Fault]:
-    """Yield the laws for machines, or kinds of them, that are not there."""
+    """Yield the laws for unknown machines and kinds."""
     if not isinstance(rules, dict) or any(is_own(entry) for entry in trial.machines.values()):
-        return  # code of one's own says itself of what kind its machine is
+        return  # custom code defines the kind of its machine
     lanes = [lane.name for lane in trial.floorplan.lanes]
     machines = [*([GANTRY] if trial.floorplan.gantry else []), *lanes, *trial.machines]
     known = dict.fromkeys((*machines, *KINDS))
@@ -112,7 +112,7 @@ def _laws(trial: Scenario, rules: Any) -> Iterator[Fault]:
 
 
 def _speeds(entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
-    """Yield the walking speeds at which nobody walks."""
+    """Yield implausible walking speeds."""
     for k, keys in enumerate(entries):
         speed = keys.get("max_speed")
         if isinstance(speed, int | float) and speed > FASTEST:
@@ -121,14 +121,14 @@ def _speeds(entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
 
 
 def _far_laws(trial: Scenario) -> Iterator[Fault]:
-    """Yield the laws that nobody can keep on a floor so small."""
+    """Yield the laws whose distances are larger than the floor."""
     for key, metres in far_laws(trial).items():
         message = f"{key} asks for {metres:,.0f} m, far more than the floor is long"
         yield f"{message}; its terms are in seconds and metres", ("rules", *key.split("."))
 
 
 def _sinks(trial: Scenario, entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
-    """Yield the sinks of those who walk the stations, where there is none."""
+    """Yield sinks away from stations of people who only visit stations."""
     stations = {station.position for station in trial.floorplan.patrolled}
     for k, keys in enumerate(entries):
         personality = keys.get("personality", PersonEntry.personality)
@@ -140,7 +140,7 @@ def _sinks(trial: Scenario, entries: Iterable[dict[str, Any]]) -> Iterator[Fault
 
 
 def _places(trial: Scenario, data: dict[str, Any]) -> Iterator[Fault]:
-    """Yield the zones and gates that concern, by a name or pattern, nobody who is there."""
+    """Yield the zones and gates with names or patterns that match no person or machine."""
     floor = data["floorplan"]
     if not isinstance(floor, dict):
         return
@@ -158,7 +158,7 @@ def _places(trial: Scenario, data: dict[str, Any]) -> Iterator[Fault]:
 
 
 def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
-    """Return the trial in `document`, which stands in that folder. Errors as of `Trial.load`."""
+    """Return the trial in `document`, with its code in a folder. Errors as of `Trial.load`."""
     if is_ariac(document):
         from ..orders import reading
 
@@ -171,21 +171,21 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
     name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name
     plan = _floorplan(schema.floorplan, folder, document, name)
     lanes = {lane.name: lane for lane in plan.lanes}
-    moves = sum(number_of(agv.moves, schema.duration) for agv in schema.agvs.values())
-    if moves > MOST_MOVES:
-        lanes = {}  # so that they stay as given, to be refused
-    people = people_of(schema, folder)
-    rules, rule_problems = build_rules(schema.rules, document, replace(code, path=folder), "rules")
     alike = {key.name for key in fields(Scenario)} & TrialKeys.model_fields.keys()
     given: dict[str, Any] = {name: getattr(schema, name) for name in alike}
+    duration = given["duration"]
+    moves = sum(number_of(agv.moves, duration) for agv in schema.agvs.values())
+    if moves > MOST_MOVES:
+        lanes = {}  # not expanded, because they are rejected
+    people = people_of(schema.people, given["actions"], folder)
+    rules, rule_problems = build_rules(schema.rules, document, replace(code, path=folder), "rules")
     given |= {
         "floorplan": plan,
         "name": name,
         "rules": rules,
         "people": tuple(person for many in people for person in many),
         "agvs": {
-            name: agv.moves_until(schema.duration, lanes.get(name))
-            for name, agv in schema.agvs.items()
+            name: agv.moves_until(duration, lanes.get(name)) for name, agv in schema.agvs.items()
         },
         "yielding": frozenset(name for name, agv in schema.agvs.items() if agv.yields),
         "machines": {name: _machine(keys) for name, keys in schema.machines.items()},
@@ -212,17 +212,17 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
 
 
 ARIAC_KEYS = {"time_limit", "kitting_trays", "parts", "orders"}
-"""Keys that only a trial file of the ARIAC competition has."""
+"""Keys that only trial files of the ARIAC competition have."""
 
 
 def is_ariac(document: Document) -> bool:
-    """Return True if a document is a trial file as the ARIAC competition writes them."""
+    """Return True if a document is a trial file of the ARIAC competition."""
     data = document.data
     return isinstance(data, dict) and "floorplan" not in data and not ARIAC_KEYS.isdisjoint(data)
 
 
-def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
-    """Raise `TrialError` where there are more people than the budget has, before they are made."""
+def _refuse_crowds(schema: DerivedKeys, document: Document) -> None:
+    """Raise `TrialError` if there are more people than the budget allows, before creating them."""
     if found := people_fault(person.many or 1 for person in schema.people):
         k, message = found
         person = schema.people[k]
@@ -231,7 +231,7 @@ def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
 
 
 def _something_else(document: Document) -> str:
-    """Return what a file is by its keys, if it is no trial, and how a trial is about it."""
+    """Return the kind of a file that is no trial, and its relation to trials, or an empty text."""
     keys = {*document.data} if isinstance(document.data, dict) else set()
     if "floorplan" in keys:
         return ""
@@ -242,7 +242,7 @@ def _something_else(document: Document) -> str:
     return ""
 
 
-def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document) -> _Made:
+def _with_orders(trial: _Made, schema: DerivedKeys, name: str, document: Document) -> _Made:
     """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
     from ..orders import reading
 
@@ -260,24 +260,25 @@ def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document)
     )
 
 
-def people_of(schema: TrialKeys, folder: Path) -> list[list[PersonEntry]]:
-    """Return the people of each entry, with programs from `folder`; a missing one is left open.
+def people_of(
+    entries: Sequence[PersonKeys], actions: str | None, folder: Path
+) -> list[list[PersonEntry]]:
+    """Return the people of each entry, with programs from `folder` if they exist.
 
-    Each program is read once, however many people run it.
+    Each program is read once for all of its people.
     """
     people = [
-        [one for person in keys.values() for one in bodies_of(person, folder)]
-        for keys in schema.people
+        [one for person in keys.values() for one in bodies_of(person, folder)] for keys in entries
     ]
     named = [
         (personality, keys.actions)
-        for keys in schema.people
+        for keys in entries
         for personality in (keys.personality, *(change.personality for change in keys.changes))
     ]
-    for personality, actions in dict.fromkeys(named):
-        # One that isn't there is reported together with everything else that is wrong.
+    for personality, own in dict.fromkeys(named):
+        # A missing program is reported together with all other faults.
         with suppress(TrialError, OwnCodeError):
-            load_program(personality, CodeFolder(folder), modules_of(actions, schema.actions))
+            load_program(personality, CodeFolder(folder), modules_of(own, actions))
     return people
 
 
@@ -286,7 +287,7 @@ def _machine(keys: dict[str, Any]) -> MachineEntry:
 
 
 def _named_file(folder: Path, name: str, document: Document, key: str) -> Path:
-    """Return the path of a file that a key names; `TrialError` if there is none."""
+    """Return the path of the file named by a key. `TrialError` if it does not exist."""
     path = folder / name
     if not is_there(path):
         raise TrialError(document.file, [document.problem(f"no such file: {name!r}", key)])
@@ -311,7 +312,7 @@ def _floorplan(
 
 
 def _problems(trial: Scenario, document: Document, owners: list[int]) -> Iterator[Problem]:
-    """Yield what keys and types can't show: that something a trial names isn't there.
+    """Yield the problems of a trial beyond its keys and types, such as unknown names.
 
     `owners` are the numbers of the entries of people in the file.
     """
@@ -322,13 +323,13 @@ def _problems(trial: Scenario, document: Document, owners: list[int]) -> Iterato
     yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:
         try:
-            controller_source(trial.gantry.controller, trial.code_folder)
+            find_program(trial.gantry.controller, trial.gantry.rate, CONTROLLER, trial.code_folder)
         except ControllerError as why:
             yield document.problem(str(why), "gantry", "controller")
 
 
 def _in_file(place: Place, data: Any, owners: list[int]) -> Place:
-    """Return the place in the file: moves and tasks may have a key, and an entry be many people."""
+    """Return the place in the file. Moves and tasks may have a key, and people share entries."""
     match place:
         case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
             return ("agvs", name, "moves", k, key)

@@ -1,4 +1,4 @@
-"""Faults of a trial, however it was made: figures out of range, and names of nothing."""
+"""Faults of a trial: values out of range, unknown names, and contradictions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ import shapely
 import bdi
 from floorplan import Point
 from floorplan.checks import starting_fault
-from floorplan.files.fields import size_fault
 from floorplan.files.problems import Fault, Place, refuse, suggestion
 from floorplan.files.values import range_faults, require_fields
 from navigation import PlannerError
@@ -61,26 +60,23 @@ from .names import (
 )
 from .reachability import unreachable_goals
 
-LARGEST_SEED = 2**63 - 1
-"""Seeds of 63 bits are what studies draw, and what every table and recording can hold."""
-
 MOST_BYTES = 200
-"""Longest name of a trial or a study, in UTF-8: folders are called after them."""
+"""Maximum number of bytes in UTF-8 of the name of a trial or study, which names folders."""
 
 GROUPS = range(2, 6)
-"""Numbers of people who may walk together."""
+"""Possible numbers of people in a group."""
 
 _SOUND = "_sound"
-"""Key under which a correct trial keeps what it was like when it was checked."""
+"""Attribute of a correct trial with copies of its dictionaries at the time of the check."""
 
 DENSEST = 0.9
-"""Share of a floor that discs can cover, side by side."""
+"""Maximum share of a floor that discs cover, side by side."""
 
 
 def check(trial: Scenario) -> None:
-    """`TrialError` with everything about `trial` that can't be; `TypeError` for a wrong type.
+    """Raise `TrialError` with all faults of `trial`, or `TypeError` for a wrong type.
 
-    A trial that is correct is checked only once, when it is read or first used.
+    A correct trial is checked only once, when it is read or first used.
     """
     if _SOUND in vars(trial) and vars(trial)[_SOUND] == _dictionaries(trial):
         return
@@ -108,7 +104,7 @@ def _copied(value: Any) -> Any:
 
 
 def check_own_events(trial: Scenario) -> None:
-    """`TrialError` if `trial` names events that not even its custom code, imported now, defines."""
+    """Raise `TrialError` if `trial` names events that its imported custom code does not define."""
     if any(own_names(trial)):
         imported = replace(trial, own_code=False)
         problems = [*_below(expectation_problems(imported), "expect")]
@@ -118,7 +114,7 @@ def check_own_events(trial: Scenario) -> None:
 
 
 def _starts(trial: Scenario) -> Iterator[tuple[Place, Start]]:
-    """Yield all conditions that something in a trial waits for, each with its place."""
+    """Yield all start conditions of a trial with their places."""
     for k, person in enumerate(trial.people):
         yield ("people", k, "start"), person.start
         for n, change in enumerate(person.changes):
@@ -142,17 +138,12 @@ def faults(trial: Scenario, *, was_read: bool = False) -> Iterator[Fault]:
 
 
 def _entry_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the entries of a trial."""
+    """Yield the faults of the entries of a trial."""
     if fault := name_fault(trial.name):
         yield fault, ("name",)
-    yield from _size(trial.duration, "duration")
     if trial.warm_up and not 0 < trial.warm_up < trial.duration:
         message = f"must be less than the duration, {trial.duration:g} s, not {trial.warm_up:g} s"
         yield message, ("warm_up",)
-    if not isinstance(trial.seed, int) or not 0 <= trial.seed <= LARGEST_SEED:
-        larger = isinstance(trial.seed, int) and trial.seed > 0
-        found = "a larger one" if larger else repr(trial.seed)
-        yield f"must be a whole number from 0 to 2**63 - 1, not {found}", ("seed",)
     yield from _planner_faults(trial.planner, trial, "planner")
     taken = {GANTRY, *(lane.name for lane in trial.floorplan.lanes), *trial.machines}
     for k, person in enumerate(trial.people):
@@ -196,7 +187,7 @@ def _entry_faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def name_fault(name: str) -> str:
-    """Return why no folder can have the `name` of a trial or a study; empty if one can."""
+    """Return why the `name` of a trial or study is no valid folder name, or an empty text."""
     size = len(name.encode(errors="replace"))
     if not re.search(r"[\0\ud800-\udfff]", name) and size <= MOST_BYTES:
         return ""
@@ -206,14 +197,6 @@ def name_fault(name: str) -> str:
 def _below(found: Iterable[Fault], *place: str | int) -> Iterator[Fault]:
     for message, rest in found:
         yield message, (*place, *rest)
-
-
-def _size(value: float | None, *place: str | int) -> Iterator[Fault]:
-    if value is not None and (fault := size_fault(value)):
-        yield fault, place
-
-
-# ---- people
 
 
 def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
@@ -240,7 +223,7 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 
 
 def _overlaps(trial: Scenario) -> Iterator[Fault]:
-    """Yield the places at which somebody would start on somebody else."""
+    """Yield the starts of people that overlap with another person."""
     usual = trial.floorplan.human.radius
     placed: list[tuple[PersonEntry, Point]] = []
     for k, person in enumerate(trial.people):
@@ -263,7 +246,7 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
 
 
 def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
-    """Yield what is wrong with where somebody comes in, and where they leave."""
+    """Yield the faults of the source and the sink of a person."""
     source = person.source
     if source is not None:
         if person.at is not None:
@@ -277,7 +260,7 @@ def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 def _spot_faults(
     person: PersonEntry, given: Point | str | None, trial: Scenario, *place: str
 ) -> Iterator[Fault]:
-    """Yield why somebody can't be at the place that is given, if there is one."""
+    """Yield why a person cannot be at a place, unless it is None."""
     if given is None:
         return
     plan = trial.floorplan
@@ -307,7 +290,7 @@ def _group_faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def _crowding(trial: Scenario) -> Iterator[Fault]:
-    """Yield that there are more people than the floor has room for."""
+    """Yield a fault if the people do not fit on the floor."""
     there = [one for one in trial.people if one.source is None and one.recorded is None]
     if len(there) < 2:
         return
@@ -381,11 +364,8 @@ def _planner_faults(choice: PlannerChoice, trial: Scenario, *place: str) -> Iter
         yield str(why), place
 
 
-# ---- machines
-
-
 def _floor_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the machines of the floor."""
+    """Yield the faults of the machines of the floor."""
     plan = trial.floorplan
     lanes = {lane.name: lane for lane in plan.lanes}
     for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs})):

@@ -23,9 +23,9 @@ WITHOUT_MACHINES = "without machines"
 
 
 def counterfactual_of(trial: Trial, started: Mapping[str, float | None]) -> Trial:
-    """Return the trial without what its `counterfactual` says, with the same draws.
+    """Return the counterfactual of a trial, with the same draws.
 
-    People start when they `started` (s), since what they waited for may not happen otherwise.
+    People start when they `started` (s), because the events that they waited for may not occur.
     """
     bare = replace(trial, counterfactual=None, expect={}, workload=None, until_submitted=False)
     if trial.counterfactual != WITHOUT_MACHINES:

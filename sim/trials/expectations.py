@@ -30,21 +30,21 @@ from .timeline import NumberCondition, Verdict, in_words, read_statement
 
 @dataclass(frozen=True)
 class SummaryField:
-    """A figure of a run of a trial: where it stands in the summary or the metrics, and of whom."""
+    """Figure of a run: its place in the summary or the metrics, and its person or machine."""
 
     figure: SummaryFigure
     path: tuple[str, ...]
     name: str = ""
 
     def value(self, run: Outcome) -> Any:
-        """Return what it is in `run`; None where there is no such figure."""
+        """Return its value in `run`, or None if the run has no such figure."""
         figures = {"metrics": run.metrics} if self.path[0] == "metrics" else run.summary
         with suppress(UserError):
             return value_at(figures, ".".join(self.path))
         return None
 
     def instants(self, run: Outcome) -> list[float]:
-        """Return when the things happened that it counts, seconds."""
+        """Return the times (s) of the events that it counts."""
         if self.figure.instant:
             beside = SummaryField(self.figure, (*self.path[:-1], self.figure.instant))
             time = beside.value(run)
@@ -62,14 +62,14 @@ class SummaryField:
 
 
 def _match(event: Event, fields: Mapping[str, Container[Any]]) -> bool:
-    """Return whether an event has these fields, each with one of its values."""
+    """Return whether each of these fields of an event has one of the values."""
     return all(event.get(key) in values for key, values in fields.items())
 
 
 def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
-    """Return all figures of the runs of `trial`, by the names that expectations call them.
+    """Return all figures of the runs of `trial`, by their names in expectations.
 
-    A person's are also found without `people.NAME.` where the trial has one person.
+    If the trial has one person, their figures also have names without `people.NAME.`.
     """
     found: dict[str, SummaryField] = {}
     alone: dict[str, SummaryField] = {}
@@ -97,7 +97,7 @@ def machine_field(key: str, trial: Scenario) -> SummaryField | None:
 
 
 def _paths(path: str, trial: Scenario) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield each path that `path` stands for, with the name in it."""
+    """Yield each path that matches `path`, with the name in it."""
     above, named, below = path.partition(".NAME")
     if not named:
         yield tuple(path.split(".")), ""
@@ -114,7 +114,7 @@ def _paths(path: str, trial: Scenario) -> Iterator[tuple[tuple[str, ...], str]]:
 
 
 TIMELINE = "timeline"
-"""The key under which expectations over time stand."""
+"""Key of expectations over time."""
 
 _VISITS = {
     "begin_with": "to begin with",
@@ -127,17 +127,14 @@ Check = Callable[["Outcome"], Verdict]
 
 
 def expectation_problems(trial: Scenario) -> Iterator[tuple[str, Place]]:
-    """Yield what can't be checked in what `trial` expects: a message, and its place."""
+    """Yield the faults of the expectations of `trial`."""
     for place, check in _checks(trial):
         if isinstance(check, ValueError):
             yield str(check), place
 
 
 def verdicts(trial: Scenario, run: Outcome) -> list[Verdict]:
-    """Return a verdict on each thing that `trial` expects of `run`.
-
-    `ValueError` if it expects something that can't be checked.
-    """
+    """Return a verdict on each expectation of `trial`. `UserError` if one cannot be checked."""
     found = []
     for place, check in _checks(trial):
         if isinstance(check, ValueError):
@@ -147,7 +144,7 @@ def verdicts(trial: Scenario, run: Outcome) -> list[Verdict]:
 
 
 def _checks(trial: Scenario) -> Iterator[tuple[Place, Check | ValueError]]:
-    """Each expectation as a check, or what is wrong with it."""
+    """Return each expectation as a check, or what is wrong with it."""
     fields = summary_fields(trial) if trial.expect else {}
     for key, wanted in trial.expect.items():
         if key != TIMELINE:
@@ -191,12 +188,12 @@ def _field_check(
 
 
 MOST_NEAR = 5
-"""Maximum number of figures that are named instead of an unknown one."""
+"""Maximum number of suggestions for an unknown figure."""
 
 
 def _hint(key: str, fields: Mapping[str, SummaryField]) -> str:
-    """Return the figures whose names are nearest to `key`, of whatever kind they are."""
-    # Of a figure that each person has, one name is enough.
+    """Return the figures with the most similar names to `key`."""
+    # One name is enough for a figure that each person has.
     kinds = {field.figure.path: name for name, field in reversed([*fields.items()])}
     names, last = [*kinds.values(), TIMELINE], key.rpartition(".")[2]
 
@@ -212,7 +209,7 @@ def _hint(key: str, fields: Mapping[str, SummaryField]) -> str:
 
 @dataclass(frozen=True)
 class _FigureCheck:
-    """Expects something of a figure of the summary or the metrics."""
+    """Expectation of a figure of the summary or the metrics."""
 
     key: str
     field: SummaryField
@@ -238,7 +235,7 @@ class _FigureCheck:
         )
 
     def _unknown(self, run: Outcome) -> str:
-        """Return that there is no such figure, with a hint at which it was meant to be."""
+        """Return the message about an unknown figure, with a suggestion."""
         *above, last = self.field.path
         beside = replace(self.field, path=tuple(above)).value(run)
         figures = [key for key, value in (beside or {}).items() if is_number(value)]
@@ -247,7 +244,7 @@ class _FigureCheck:
 
 
 def _visits(key: str, wanted: Any, field: SummaryField, trial: Scenario) -> Check:
-    """Return the check of the stations that a person came to."""
+    """Return the check of the visits of a person."""
     if isinstance(wanted, list):
         wanted = {"begin_with": wanted}
     if not (isinstance(wanted, Mapping) and len(wanted) == 1 and set(wanted) <= set(_VISITS)):
@@ -264,7 +261,7 @@ def _visits(key: str, wanted: Any, field: SummaryField, trial: Scenario) -> Chec
 
 @dataclass(frozen=True)
 class _VisitsCheck:
-    """Expects visits to stations in some order, or never to some."""
+    """Expectation of visits to stations in an order, or of none."""
 
     key: str
     field: SummaryField
@@ -293,7 +290,7 @@ class _VisitsCheck:
         )
 
     def _first_wrong(self, found: list[str]) -> int | None:
-        """Return the number of the first visit that is wrong, or of the first that is missing."""
+        """Return the index of the first wrong or missing visit."""
         if self.how == "never":
             return next((k for k, name in enumerate(found) if name in self.stations), None)
         if self.how == "in_order":

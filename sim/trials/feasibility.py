@@ -1,7 +1,7 @@
-"""Feasibility of a trial: budget, places that change, commands, and work.
+"""Feasibility of a trial: budget, doors and obstacles, commands, and work.
 
-All is worked out from the figures of a trial, before any of it is made. What asks for more is a
-slip, and would take hours or all memory.
+The budget is computed from the numbers in a trial before anything is created, because exceeding it
+would take hours or all memory.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ from ..people.person import Person
 from .names import checked_name, machines, people, stations
 
 LONGEST = 31 * 86_400
-"""Seconds. Longest duration of a trial: a month."""
+"""Seconds. Longest duration of a trial, 31 days."""
 
 MOST_PEOPLE = 5_000
-"""People of a trial, those who come in later among them."""
+"""Maximum number of people, including those who enter later."""
 
 MOST_PERSON_SECONDS = 100_000_000
-"""Number of people times the duration (s). It bounds their visits, and what happens to them."""
+"""Maximum number of people times the duration (s). It limits the number of events."""
 
 MOST_TASKS = 100_000
-"""Tasks in a trial, counted each time that they come again."""
+"""Maximum number of tasks, counted with each repetition."""
 
 MOST_JOBS = 100_000
-"""Jobs in a trial of a gantry that only waits, again and again."""
+"""Maximum number of jobs of a gantry that only waits repeatedly."""
 
 MOST_REPORTS = 10_000_000
-"""Times at which a rule set notifies people who are all in violation all the time."""
+"""Maximum number of notifications if all people violate the rules all the time."""
 
 
 def people_fault(counts: Iterable[int]) -> tuple[int, str] | None:
-    """Return which entry makes the people of a trial too many, and the message; None if none does.
+    """Return the first entry with which there are too many people, and the message, or None.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def people_fault(counts: Iterable[int]) -> tuple[int, str] | None:
 
 
 def budget_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what a trial asks for too much of. Nothing of it is made."""
+    """Yield the values of a trial that exceed the budget."""
     duration, count = trial.duration, len(trial.people)
     if duration > LONGEST:
         yield f"must be at most {LONGEST:,} s (31 days), not {duration:g} s", ("duration",)
@@ -96,7 +96,7 @@ def _message(number: float, most: int, what: str) -> str:
 
 
 def _first_over(counted: Iterable[tuple[float, Place]], most: int, what: str) -> Iterator[Fault]:
-    """Yield the fault of the place whose number makes the sum of all so far too large."""
+    """Yield a fault at the first place at which the sum exceeds a limit."""
     total = 0.0
     for number, place in counted:
         total += number
@@ -106,14 +106,14 @@ def _first_over(counted: Iterable[tuple[float, Place]], most: int, what: str) ->
 
 
 def _tasks(trial: Scenario) -> Iterator[tuple[float, Place]]:
-    """Yield how often each task is there, and its place in the trial."""
+    """Yield how often each task is offered, and its place in the trial."""
     for name, held in trial.work.items():
         workers = sum(name in person.work for person in trial.people)
         means = [max(task.duration.mean, 1e-9) for task in held.tasks]
         for k, task in enumerate(held.tasks):
             number, key = _times(task, trial.duration), "every"
             if held.repeat:
-                # It is there again when it is done, and a person does one after the other.
+                # It is offered again when it is done, and each person does one task at a time.
                 alone = trial.duration / means[k]
                 number, key = min(alone, workers * trial.duration / min(means)), "duration"
             yield number, ("work", name, "tasks", k, key)
@@ -124,13 +124,13 @@ def _tasks(trial: Scenario) -> Iterator[tuple[float, Place]]:
 
 
 def _times(task: WorkTask, end: float) -> float:
-    """Return how often a task is there until `end` (seconds)."""
+    """Return how often a task is offered until `end` (s)."""
     times = times_until(end, task.time, task.every)
     return times if task.count is None else min(times, task.count)
 
 
 def door_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the times of doors."""
+    """Yield the faults of the times of doors."""
     doors = [door.name for door in trial.floorplan.doors]
     for name, times in trial.doors.items():
         if name not in doors:
@@ -144,7 +144,7 @@ def door_faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def obstacle_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about obstacles that come and go."""
+    """Yield the faults of temporary obstacles."""
     taken = names_taken(trial)
     for timed in trial.obstacles:
         one = timed.obstacle
@@ -160,7 +160,7 @@ def obstacle_faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def names_taken(trial: Scenario) -> set[str]:
-    """Return the names that no obstacle which comes and goes can have."""
+    """Return the names that temporary obstacles cannot have."""
     plan = trial.floorplan
     fixed = (plan.obstacles, plan.lanes, plan.doors, plan.zones, plan.gates)
     taken = {"boundary", *trial.machines, *(one.name for kind in fixed for one in kind)}
@@ -182,7 +182,7 @@ def _interval_faults(spans: Sequence[Interval], trial: Scenario) -> Iterator[tup
 
 
 def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield who starts where nobody can be then."""
+    """Yield the people who start in closed doors or temporary obstacles."""
     plan = trial.floorplan
     height = plan.human.height
     there = Closures(plan, trial.doors, trial.obstacles).at(0.0).values()
@@ -198,7 +198,7 @@ def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def command_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the commands of a trial."""
+    """Yield the faults of the commands of a trial."""
     placed: set[str] = set()
     before = 0.0
     for k, command in enumerate(trial.commands):
@@ -217,7 +217,7 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tuple[str, str]]:
-    """Yield what can't be about one command, and of which key, while those are `placed`."""
+    """Yield the faults of a command with their keys. `placed` are the names of added obstacles."""
     known = {
         **dict.fromkeys(("send", "person"), people(trial)),
         **dict.fromkeys(("hold", "release", "machine"), machines(trial)),
@@ -271,7 +271,7 @@ def _place_faults(command: Command, trial: Scenario) -> Iterator[str]:
 
 
 def list_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the lists of `trial`."""
+    """Yield the faults of the work lists."""
     taken = {name for person in trial.people for name in person.work}
     for name, held in trial.work.items():
         for k, task in enumerate(held.tasks):
@@ -284,7 +284,7 @@ def list_faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the work of a person."""
+    """Yield the faults of the work of a person."""
     for k, name in enumerate(person.work):
         if name not in trial.work:
             hint = suggestion(name, trial.work) if trial.work else "the trial has none"
@@ -319,7 +319,7 @@ def person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 
 
 def _task_faults(task: WorkTask, trial: Scenario) -> Iterator[tuple[str, str]]:
-    """Yield what can't be about a task, with its key."""
+    """Yield the faults of a task with their keys."""
     stations = [station.name for station in trial.floorplan.stations]
     if task.at not in stations:
         hint = suggestion(task.at, stations) if stations else "the floor has none"

@@ -26,11 +26,11 @@ Range = tuple[float, float]
 AT_REST = (0.0, 0.0)
 
 SLIGHT = 1e-6
-"""Metres. A warning field may be smaller than the protective field by no more than that."""
+"""Metres. Tolerance within which a warning field contains the protective field."""
 
 
 def field_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the protective fields of a trial."""
+    """Yield the faults of the protective fields of a trial."""
     for name, fields in trial.fields.items():
         yield from name_faults(name, "machine", machines(trial), name)
         for message, place in _set_faults(fields):
@@ -40,7 +40,7 @@ def field_faults(trial: Scenario) -> Iterator[Fault]:
 
 
 def _set_faults(fields: MachineFields) -> Iterator[Fault]:
-    """Yield what can't be about the field sets and the times of muting."""
+    """Yield the faults of the field sets and of the times of muting."""
     try:
         fields.protective  # noqa: B018 - refuses sets that don't fit together
     except UserError as why:
@@ -56,9 +56,9 @@ def _set_faults(fields: MachineFields) -> Iterator[Fault]:
 
 
 def field_slips(trial: Scenario) -> Iterator[Fault]:
-    """Yield why protective fields may not protect, or stop a machine for no person.
+    """Yield why protective fields may not protect, or stop a machine without a person.
 
-    Custom kinds of machines are left out: their code is not run for that.
+    Custom kinds of machines are skipped, because their code is not run for checks.
     """
     models = models_of(trial, own=False) if trial.fields else {}
     for name, fields in trial.fields.items():
@@ -73,7 +73,7 @@ def field_slips(trial: Scenario) -> Iterator[Fault]:
 
 
 class _Machine(NamedTuple):
-    """A machine with fields: `diagonal` is its top speed (m/s) if it has that in any direction."""
+    """Machine with fields. `diagonal` is its top speed (m/s) if it is omnidirectional."""
 
     model: MachineModel
     limits: VehicleLimits | AxisLimits
@@ -82,7 +82,7 @@ class _Machine(NamedTuple):
 
     @property
     def directions(self) -> tuple[float, ...] | None:
-        """The directions of travel, rad, or None for all."""
+        """Directions of travel (rad), or None for all."""
         holonomic = isinstance(self.limits, VehicleLimits) and self.limits.holonomic
         return None if holonomic else (0.0, math.pi)
 

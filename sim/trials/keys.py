@@ -1,14 +1,14 @@
-"""Keys of a trial file and of commands that stand for more than one value of a trial."""
+"""Keys of a trial file."""
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Discriminator,
     Tag,
+    create_model,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
@@ -17,33 +17,22 @@ from typing_extensions import Self
 from floorplan import UserError
 from floorplan.files.documents import read_yaml
 from floorplan.files.fields import Flag, Number, Strictly, whole
-from floorplan.files.forms import Written, called
-from floorplan.files.problems import suggestion
+from floorplan.files.forms import Written, called, fields_of
 
-from ..core.entries import UNSIGNED, Blackout, Command, SignOff
-from ..core.fields import MachineFields
+from ..core.entries import Command
 from ..core.rules import PAPER
 from ..core.scenario import (
-    ASSUMED,
-    USUAL_PLANNER,
-    GantryEntry,
     Name,
     PersonEntry,
-    Planner,
     Scenario,
     Source,
     TrialError,
 )
 from ..core.schedule import (
-    Delay,
-    DoorTimes,
-    Length,
     TimedObstacle,
-    WorkList,
     time_of_day,
 )
 from ..machines.agv.model import AgvKeys
-from .checks import LARGEST_SEED
 from .feasibility import command_faults
 from .rules_file import RuleForm, RuleKeys
 
@@ -54,7 +43,7 @@ CommandEntries = Annotated[
     Annotated[str, Tag("file")] | Annotated[tuple[Command, ...], Tag("list")],
     Discriminator(lambda value: "file" if isinstance(value, str) else "list"),
 ]
-"""Commands in order of time, or the file that has them."""
+"""Commands in order of time, or the name of their file."""
 
 
 class _CommandFile(Strictly):
@@ -68,7 +57,7 @@ class _OneCommand(Strictly):
 def commanded(trial: _Made, path: Path) -> _Made:
     """Return the trial with the commands in the file at `path`.
 
-    `TrialError` names the file, and the lines in it that can't be or can't be in this trial.
+    `TrialError` lists the faults of the file, with its lines.
     """
     document = read_yaml(path, TrialError)
     made = replace(trial, commands=document.checked(_CommandFile, TrialError).commands)
@@ -79,13 +68,13 @@ def commanded(trial: _Made, path: Path) -> _Made:
 
 
 def read_command(keys: Any) -> Command:
-    """Return the command with these keys; pydantic's `ValidationError` says what is wrong."""
+    """Return the command with these keys. Raise `ValidationError` if they are invalid."""
     return _OneCommand.model_validate({"command": keys}).command
 
 
 @dataclass(frozen=True, kw_only=True)
 class SourceKeys(Source):
-    """A source of one person, or of so many."""
+    """Keys of a source of one or several people."""
 
     count: Annotated[int, whole(1)] | None = None
 
@@ -97,12 +86,12 @@ class SourceKeys(Source):
 
 
 OF_RECORDED = frozenset({"name", "start", "radius", "recorded"})
-"""Keys of somebody who walks as they were measured."""
+"""Keys of a recorded person."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PersonKeys(PersonEntry):
-    """One person, or so many alike."""
+    """Keys of one or several people."""
 
     count: Annotated[int, whole(1)] | None = None
     source: SourceKeys | None = None
@@ -126,11 +115,11 @@ class PersonKeys(PersonEntry):
 
     @property
     def many(self) -> int | None:
-        """The number of people that this stands for, None for one who is called as it says."""
+        """Number of people of the entry, or None for one person with its name."""
         return self.count if self.source is None else self.source.count
 
     def values(self) -> list[PersonEntry]:
-        """Return the people: the one, or so many of them, who are numbered from 1."""
+        """Return the people of the entry. Several are numbered from 1."""
         one = PersonEntry(**{key.name: getattr(self, key.name) for key in fields(PersonEntry)})
         if self.source is not None:
             source = Source(**{key.name: getattr(self.source, key.name) for key in fields(Source)})
@@ -153,47 +142,37 @@ def _name_or_keys(value: Any) -> Any:
 
 
 def begins_in(data: Any) -> float:
-    """Return the time of day (s) at which the trial in a file begins; 0 if none can be told."""
+    """Return the time of day (s) at which the trial in a file begins, or 0 if it is invalid."""
     try:
         return time_of_day(data["begins"])
     except (LookupError, TypeError, UserError):
         return 0.0
 
 
-def _as_assumed(name: str) -> str:
-    if name not in ASSUMED:
-        raise UserError(f"{name!r} is not an assumed value; {suggestion(name, ASSUMED)}")
-    return name
-
-
-class TrialKeys(Strictly):
-    """A whole trial."""
+class DerivedKeys(Strictly):
+    """Keys of a trial whose values differ from the fields of a `Scenario`."""
 
     name: str | None = None
     floorplan: Annotated[Any, BeforeValidator(_name_or_keys)]
     folder: str = "."
-    duration: Length = 275.0
-    seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
     rules: Annotated[RuleKeys, Written(RuleForm)] = RuleKeys.model_validate(PAPER.name)
-    planner: Planner = USUAL_PLANNER
     people: list[PersonKeys] = []
-    steering: str | None = None
-    actions: str | None = None
-    gantry: GantryEntry = GantryEntry()
     agvs: dict[str, AgvKeys] = {}
     machines: dict[Name, dict[str, Any]] = {}
-    fields: dict[str, MachineFields] = {}
     ariac: str | None = None
     until_submitted: Flag | None = None
     begins: Annotated[Number, BeforeValidator(time_of_day)] = 0.0
-    work: dict[Name, WorkList] = {}
-    doors: dict[str, DoorTimes] = {}
     obstacles: Annotated[dict[str, TimedObstacle], BeforeValidator(called)] = {}
-    blackouts: tuple[Blackout, ...] = ()
     commands: CommandEntries = ()
-    sources: dict[Annotated[str, AfterValidator(_as_assumed)], str] = {}
-    counterfactual: Literal["without machines", "without people"] | None = None
-    warm_up: Delay = 0.0
-    sign_off: SignOff = UNSIGNED
-    traffic: Flag = True
-    expect: dict[str, Any] = {}
+
+
+_OF_OTHER_KEYS = ("yielding", "workload")
+"""Fields that are given by `agvs` and `ariac`."""
+
+_ALIKE: dict[str, Any] = {
+    key.name: (key.kind, key.default)
+    for key in fields_of(Scenario)
+    if key.compared and key.name not in (*DerivedKeys.model_fields, *_OF_OTHER_KEYS)
+}
+TrialKeys = create_model("TrialKeys", __base__=DerivedKeys, **_ALIKE)
+"""All keys of a trial."""

@@ -55,7 +55,7 @@ def machines(trial: Scenario) -> list[str]:
 
 
 def agvs(trial: Scenario) -> list[str]:
-    """Return the names of the AGVs, and of what else a trial adds."""
+    """Return the names of the AGVs and of the machines of the trial."""
     return [*(lane.name for lane in trial.floorplan.lanes), *trial.machines]
 
 
@@ -70,20 +70,20 @@ def zones(trial: Scenario) -> list[str]:
 
 
 def places(trial: Scenario) -> list[str]:
-    """Return the places that the gantry can pick from and place onto."""
+    """Return the names of places from which the gantry picks and onto which it places parts."""
     return [*fixed_places(trial.floorplan), *agvs(trial)]
 
 
 def parts(trial: Scenario) -> list[str]:
-    """Return the names of all parts that are carried, or could be."""
+    """Return the names of all parts that may be carried."""
     ariac = trial.workload.parts if trial.workload else ()
     return [*ariac, *(job.part for job in trial.gantry.jobs if job.part)]
 
 
 def orders(trial: Scenario) -> list[str]:
-    """Return the names of the orders that are handed in."""
-    ariac = trial.workload.orders if trial.workload else ()
-    return [*(order.id for order in ariac), *(job.order for job in trial.gantry.jobs if job.order)]
+    """Return the names of the orders that are submitted."""
+    ariac = trial.workload.ids if trial.workload else ()
+    return [*ariac, *(job.order for job in trial.gantry.jobs if job.order)]
 
 
 def _locations(trial: Scenario) -> list[str]:
@@ -127,13 +127,13 @@ _NAMES: dict[Form, Callable[[Scenario], list[str]]] = {
 
 
 def known_names(trial: Scenario, form: Form) -> list[str] | None:
-    """Return all names of this form in `trial`; None where any text may stand."""
+    """Return all names of this form in `trial`, or None if any text is valid."""
     names = _NAMES.get(form)
     return None if names is None else list(dict.fromkeys(names(trial)))
 
 
 def checked_name(wanted: Any, form: str, known: Collection[str]) -> str:
-    """Return `wanted`, if it is one of those `known`; `ValueError` names those there are."""
+    """Return `wanted`. `UserError` lists the known names if it is none of them."""
     if wanted not in known:
         hint = suggestion(str(wanted), known) if known else "there is none in this trial"
         raise UserError(f"no {form} is called {wanted!r}; {hint}")
@@ -141,7 +141,7 @@ def checked_name(wanted: Any, form: str, known: Collection[str]) -> str:
 
 
 def name_faults(name: str, form: str, known: Collection[str], *place: str | int) -> Iterator[Fault]:
-    """Yield why a name at a place of a trial is none of those `known`, if it is not."""
+    """Yield a fault if a name at a place of a trial is unknown."""
     try:
         checked_name(name, form, known)
     except UserError as why:
@@ -149,9 +149,9 @@ def name_faults(name: str, form: str, known: Collection[str], *place: str | int)
 
 
 def event_kinds(trial: Scenario, wanted: str) -> Collection[str]:
-    """Return the names of all kinds of events that `wanted` may be one of.
+    """Return the names of all kinds of events.
 
-    Any name may be one where custom code, which is not imported yet, may define it.
+    They include `wanted` if custom code, which is not imported yet, may define it.
     """
     if trial.own_code and any(own_names(trial)):
         return [*EVENT_KINDS, wanted]
@@ -159,7 +159,7 @@ def event_kinds(trial: Scenario, wanted: str) -> Collection[str]:
 
 
 def own_names(trial: Scenario) -> Iterator[str]:
-    """Yield the names of all own code that stands in the trial's folder."""
+    """Yield the names of all custom code in the trial's folder."""
     controller = trial.gantry.controller
     if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
         yield trial.gantry.controller_name

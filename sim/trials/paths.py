@@ -1,7 +1,7 @@
-"""Values of a trial by their paths, such as `people.ann.max_speed` or `blackouts.0.seconds`.
+"""Values of a trial by paths such as `people.ann.max_speed` or `blackouts.0.seconds`.
 
-A part of a path is the name of a field, a key or an entry, the number of an entry (from 0), or `*`
-for all entries. Names may contain dots.
+A part of a path is the name of a field, key or entry, the index of an entry, or `*` for all
+entries. Names may contain dots.
 """
 
 from __future__ import annotations
@@ -23,17 +23,18 @@ from ..core.stage import MachineEntry
 _Owner = TypeVar("_Owner")
 
 ALL = "*"
-"""The part of a path that stands for all entries."""
+"""Part of a path that matches all entries."""
 
 OMITTED = {MachineEntry: "keys", WorkList: "tasks"}
-"""Fields that a path may leave out, because files do."""
+"""Fields that a path may omit, because files omit them."""
 
 Change = Callable[[Any, Any], Any]
-"""Returns another value for one, and for the type of its field (None if it is in no `Keyed`)."""
+"""Function that returns the new value for a value and the type of its field (None if it is in no
+`Keyed`)."""
 
 
 def value_at(owner: Any, path: str) -> Any:
-    """Return the value at a path without `*`. `UserError` names the part that is not there."""
+    """Return the value at a path without `*`. `UserError` names a part that does not exist."""
     while path:
         key, path = _step(owner, path)
         owner = _inner(owner, key)
@@ -41,9 +42,9 @@ def value_at(owner: Any, path: str) -> Any:
 
 
 def places(owner: Any, path: str, above: str = "") -> list[str]:
-    """Return the paths without `*` of the values for which `path` stands.
+    """Return the paths without `*` that match `path`. `UserError` if there is none.
 
-    `*` stands for the entries that have the rest of the path. `UserError` if there is none.
+    `*` matches the entries that have the rest of the path.
     """
     if not path:
         return [above]
@@ -65,14 +66,14 @@ def places(owner: Any, path: str, above: str = "") -> list[str]:
 
 
 def changed(owner: _Owner, path: str, change: Change) -> _Owner:
-    """Return the `owner` with other values at all places of a path; `UserError` if none."""
+    """Return the `owner` with changed values at all places of a path."""
     for place in places(owner, path):
         owner = _changed(owner, place, change, None)
     return owner
 
 
 def with_value(owner: _Owner, path: str, value: Any) -> _Owner:
-    """Return the `owner` with a value at all places of a path; `UserError` if none."""
+    """Return the `owner` with a value at all places of a path. `UserError` if there is none."""
     return changed(owner, path, lambda before, kind: value)
 
 
@@ -102,7 +103,7 @@ def _step(owner: Any, path: str) -> tuple[Any, str]:
 
 
 def _names(owner: Any) -> dict[str, Any]:
-    """Return the keys of what is directly in a value, by their names in a path."""
+    """Return the keys of the entries of a value, by their names in a path."""
     if isinstance(owner, Mapping):
         return {str(key): key for key in owner}
     if isinstance(owner, tuple | list):
@@ -121,5 +122,5 @@ def _inner(owner: Any, key: Any) -> Any:
 
 @cache
 def _field_type(owner: type, key: Any) -> Any:
-    """Return the type of a field as its file is read, or None if no file has it as it is."""
+    """Return the type with which a field is read from a file, or None if files do not have it."""
     return dict(form_keys(owner)).get(key) if issubclass(owner, Keyed) else None

@@ -1,4 +1,4 @@
-"""Goals that people of a trial cannot reach, proved from the connected parts of the free space."""
+"""Goals that people cannot reach, proved from the connected parts of the free space."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from ..core.stage import Closures
 from ..people.programs import EXTERNAL
 
 EMPLOYED = "worker"
-"""The built-in personality that goes to its tasks alone, if it has any."""
+"""Built-in personality that only goes to its tasks, if it has any."""
 
 
 class Reachability:
-    """Proofs of what people of a trial cannot reach, whatever AGVs and other people do.
+    """Proofs that people cannot reach goals, independent of AGVs and other people.
 
-    Zones forbidden to a person, one-way gates, and what is closed throughout the trial count.
+    They include forbidden zones, one-way gates, and doors and obstacles that are closed or present
+    throughout the trial.
     """
 
     def __init__(self, trial: Scenario) -> None:
@@ -42,7 +43,7 @@ class Reachability:
         if person.source is not None or person.at is not None:
             source = person.source
             start = spot(plan, source.at, person.radius) if source else person.place_on(plan)
-            # Whoever is put into the safe zone goes on from there.
+            # A person who is put into the safe zone continues from there.
             begins = [start, *(begins if self._trial.rules.person == "teleport" else ())]
         space = world.free_space(radius)
         return space.piece_of(goal) is not None and all(
@@ -66,7 +67,7 @@ class Reachability:
 
 
 def unreachable_goals(trial: Scenario) -> Iterator[Fault]:
-    """Yield the goals that a trial names and that the person, or all its people, cannot reach."""
+    """Yield the named goals that the person, or all people of the trial, cannot reach."""
     proofs = Reachability(trial)
     for place, people, name in _named_goals(trial):
         goal = spot(trial.floorplan, name, people[0].radius)
@@ -76,7 +77,7 @@ def unreachable_goals(trial: Scenario) -> Iterator[Fault]:
 
 
 def _named_goals(trial: Scenario) -> Iterator[tuple[Place, list[PersonEntry], Point | str]]:
-    """Yield places of a trial, with the people who are to go to the goal that is there."""
+    """Yield the places of goals in a trial, with the people who go there."""
     walking = [(n, person) for n, person in enumerate(trial.people) if person.recorded is None]
     for name, held in trial.work.items():
         if workers := [person for _, person in walking if name in person.work]:

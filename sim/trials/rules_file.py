@@ -1,7 +1,7 @@
 """Rule sets and laws in files: keys, reading, and writing.
 
-`{iso_ts_15066: {t1: 1.0, t2: 1.5}}`, `{fixed: 2.1}`, or one of the user's own,
-`{package.module:Class: {deceleration: 2.0}}`.
+Laws are written as `{iso_ts_15066: {t1: 1.0, t2: 1.5}}`, `{fixed: 2.1}`, or `{package.module:Class:
+{deceleration: 2.0}}` for custom laws.
 """
 
 from __future__ import annotations
@@ -40,16 +40,16 @@ LAWS: dict[str, Any] = {
     "iso_13855": ApproachLaw,
     "fixed": FixedDistance,
 }
-"""The laws that files name."""
+"""Laws by their names in files."""
 
 Terms = Annotated[
     dict[str, Any], Expected("a law with its terms, as {iso_13855: {time: 1.0}}", dict)
 ]
-"""A law as it is written: its name, and with it its terms."""
+"""Law in a file: its name with its terms."""
 
 
 class WrittenLawError(UserError):
-    """A law that is wrong, and the `place` among its keys."""
+    """Invalid law, and the `place` of the fault among its keys."""
 
     def __init__(self, message: str, *place: str) -> None:
         super().__init__(message)
@@ -57,10 +57,9 @@ class WrittenLawError(UserError):
 
 
 def read_law(terms: Mapping[str, Any], folder: CodeFolder, place: str = "") -> AnyLaw:
-    """Return the law that is written as `terms`; `WrittenLawError` says what is wrong with it.
+    """Return the law with these `terms`. `WrittenLawError` if they are invalid.
 
-    Laws of one's own stand in `folder`, and are not imported yet: what only that can show they say
-    when they are first asked, with their `place`.
+    Custom laws are in `folder`, and imported later. Their errors at that time name the `place`.
     """
     if len(terms) != 1:
         raise WrittenLawError(
@@ -128,7 +127,7 @@ def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[An
 
 
 def written_law(law: AnyLaw) -> Terms:
-    """Return the law as a file has it; `ValueError` if it can't be written."""
+    """Return the law in the form of a file. `UserError` if it cannot be written."""
     if isinstance(law, OwnLaw):
         return {law.name: law.terms}
     for name, form in LAWS.items():
@@ -138,11 +137,11 @@ def written_law(law: AnyLaw) -> Terms:
 
 
 class RulesError(InputError):
-    """A file that holds no rule set."""
+    """Invalid file of a rule set."""
 
 
 class NoticeKeys(Strictly):
-    """Terms of noticing the gantry; what is left out is as in the rule set it is based on."""
+    """Keys of noticing the gantry. Missing keys are those of the base."""
 
     law: Terms | None = None
     factor: Positive | None = None
@@ -153,16 +152,16 @@ class NoticeKeys(Strictly):
 
 
 class Disable(Strictly):
-    """Measure for the machine, with its time: short for `gantry_disabled`."""
+    """Measure for the machine with its duration, short for `gantry_disabled`."""
 
     disable: Lasting
 
 
 class RuleKeys(Strictly):
-    """A rule set; what is left out is as in the one it is based on.
+    """Keys of a rule set. Missing keys are those of the base.
 
-    Or only text: the name of a built-in one, or a file (`source`). These are the keys that are
-    more, or something else, than the fields of a `RuleSet`: `RuleForm` has all.
+    Text is the name of a built-in rule set, or a file (`source`). These keys differ from the fields
+    of a `RuleSet`. `RuleForm` has all keys.
     """
 
     source: str | None = None
@@ -192,7 +191,7 @@ _ALIKE: dict[str, Any] = {
     for key in fields(RuleSet)
     if key.compare and key.name not in RuleKeys.model_fields
 }
-"""Keys whose values are those of the fields of the same name, with their types and defaults."""
+"""Keys with the same names and values as fields, with their types and defaults."""
 
 RuleForm = create_model("RuleForm", __base__=RuleKeys, **_ALIKE)
 """All keys of a rule set in a file."""
@@ -225,9 +224,9 @@ def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
 
 
 def find_rules(source: str, folder: CodeFolder) -> RuleSet:
-    """Return the built-in rule set called `source`, or the one in a file seen from `folder`.
+    """Return the built-in rule set called `source`, or the one in a file relative to `folder`.
 
-    `RulesError` for a file that holds none, `ValueError` if there is neither.
+    `RulesError` if the file is invalid, `UserError` if there is neither.
     """
     path = folder.path / source
     if source not in RULE_SETS and is_file(path):
@@ -238,9 +237,9 @@ def find_rules(source: str, folder: CodeFolder) -> RuleSet:
 def build_rules(
     keys: RuleKeys, document: Document, folder: CodeFolder, *place: str
 ) -> tuple[RuleSet, list[Problem]]:
-    """Return the rule set that `keys` describe, which stand at `place` in `document`.
+    """Return the rule set of `keys` at `place` in `document`, and its problems.
 
-    And what is wrong with it: then the rule set is only a stand-in.
+    If there are problems, the rule set is not valid.
     """
     if keys.source is not None:
         try:
@@ -290,7 +289,7 @@ def build_rules(
 
 
 def _plain(keys: RuleKeys) -> dict[str, Any]:
-    """Return what the keys say as it stands; what is left out or null is as in the base."""
+    """Return the values of simple keys. Missing and null keys are those of the base."""
     given = {key: getattr(keys, key) for key in _ALIKE if key in keys.model_fields_set}
     if isinstance(measure := given.get("machine"), Disable):
         given |= {"machine": "disable", "gantry_disabled": measure.disable}
@@ -311,9 +310,9 @@ def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
 
 
 def written_rules(rules: RuleSet) -> str | dict[str, Any]:
-    """Return the keys in which a rule set differs from its base, or the name of a built-in one.
+    """Return the keys in which a rule set differs from its base, or its built-in name.
 
-    The same rule set is read again from them. `ValueError` if one of its laws can't be written.
+    `UserError` if one of its laws cannot be written.
     """
     if RULE_SETS.get(rules.name) == rules:
         return rules.name
@@ -321,7 +320,7 @@ def written_rules(rules: RuleSet) -> str | dict[str, Any]:
         rules = replace(rules, agv_offset=0.0)
     own, base = _all_keys(rules), _all_keys(PAPER)
     if own["gantry_law"] != base["gantry_law"]:
-        del base["notice"]  # its law is the gantry's unless it is written
+        del base["notice"]  # by default it has the law of the gantry
     changed = {key: value for key, value in own.items() if key not in base or base[key] != value}
     return {"based_on": PAPER.name, "name": rules.name, **changed}
 

@@ -1,7 +1,7 @@
-"""Slack of expectations: how far a run is from not meeting one, signed, in the unit of each.
+"""Slack of expectations: signed distances from not meeting them, in their units.
 
-A slack is negative exactly where the expectation is not met. Where nothing was there to judge it
-is minus infinity.
+A slack is negative exactly if the expectation is not met, and minus infinity if there is nothing to
+compare.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import math
 from collections.abc import Sequence
 
 NOTHING = -math.inf
-"""Slack of an expectation of something that the run does not have."""
+"""Slack of an expectation of a value that the run does not have."""
 
 SMALLEST = -1e-9
-"""Slack of an expectation that is not met by less than can be told."""
+"""Slack of an expectation that is missed by an unmeasurably small amount."""
 
 
 def of_bounds(found: float, bounds: Sequence[tuple[str, float]]) -> float:
-    """Return the slack of a number within bounds: signs of comparison, and a number of each."""
+    """Return the slack of a number within bounds: pairs of a comparison sign and a number."""
     return min(_of_bound(found, sign, bound) for sign, bound in bounds)
 
 
@@ -30,19 +30,19 @@ def _of_bound(found: float, sign: str, bound: float) -> float:
         return abs(found - bound) or (-1.0 if whole else -math.ulp(bound))
     above = sign.startswith(">")
     if sign in (">", "<"):
-        # The nearest number that meets it: the next count, or the next number there is.
+        # The nearest number that meets the bound: the next integer or float.
         step = 1.0 if above else -1.0
         bound = bound + step if whole else math.nextafter(bound, math.inf * step)
     return found - bound if above else bound - found
 
 
 def of_flag(met: bool) -> float:
-    """Return the slack of something that is either so or not: 1 or -1."""
+    """Return the slack of a condition: 1 if it holds, otherwise -1."""
     return 1.0 if met else -1.0
 
 
 def of_visits(found: Sequence[str], stations: Sequence[str], how: str) -> float:
-    """Return the slack of visits: minus the number of visits that are wrong or missing."""
+    """Return the slack of visits: minus the number of wrong and missing visits."""
     if how == "never":
         return -float(sum(name in stations for name in found)) or 0.0
     if how == "in_order":
@@ -58,6 +58,6 @@ def of_visits(found: Sequence[str], stations: Sequence[str], how: str) -> float:
 def signed(slack: float, *, met: bool) -> float:
     """Return a slack with the sign of its verdict.
 
-    A state that lasts no longer than counts may come nearer to a bound than its verdict says.
+    An ignored short state may come nearer to a bound than the verdict says.
     """
     return max(slack, 0.0) if met else min(slack, SMALLEST)

@@ -51,14 +51,14 @@ _OPERATORS: dict[str, Callable[[float, float], bool]] = {
 
 @dataclass(frozen=True)
 class NumberCondition:
-    """A number passes if it passes every one of `bounds`; `text` is how it was written."""
+    """Bounds of a number that must all hold, and their `text` in the file."""
 
     text: str
     bounds: tuple[tuple[str, float], ...]
 
     @staticmethod
     def parse(wanted: Any) -> NumberCondition:
-        """Return the comparison that `wanted`, a number or text, stands for; else `ValueError`."""
+        """Return the comparison of `wanted`, a number or text. `UserError` if it is invalid."""
         if is_figure(wanted):
             return NumberCondition(f"= {wanted}", (("==", wanted),))
         if isinstance(wanted, str):
@@ -66,7 +66,7 @@ class NumberCondition:
                 middle, more = Decimal(tolerance[1]), Decimal(tolerance[2])
                 if (
                     more >= 0 and is_figure(float(middle)) and is_figure(float(more))
-                ):  # in decimals, for 0.7 + 0.1 is to be 0.8
+                ):  # as decimals, so that 0.7 + 0.1 is 0.8
                     return NumberCondition(
                         f"{tolerance[1]} ± {tolerance[2]}",
                         ((">=", float(middle - more)), ("<=", float(middle + more))),
@@ -88,7 +88,7 @@ class NumberCondition:
         return all(_OPERATORS[sign](figure, bound) for sign, bound in self.bounds)
 
     def slack(self, figure: float) -> float:
-        """Return how far `figure` is within all bounds; negative if it is not."""
+        """Return the distance of `figure` from leaving the bounds, negative outside."""
         if not isinstance(figure, int | float):
             return slack.NOTHING
         return slack.of_bounds(figure, self.bounds)
@@ -96,11 +96,11 @@ class NumberCondition:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Result of an expectation: `expected` and `found`, in words, and whether it was `met`.
+    """Result of an expectation: `expected` and `found` in words, and whether it was `met`.
 
-    `slack` is how far it was from not being met, in `unit`: negative exactly if it was not met.
-    `time` is when it was decided (seconds), if at an instant. `place` are the keys under which the
-    expectation stands in the trial file.
+    `slack` is the distance from not being met, in `unit`. It is negative exactly if it was not met.
+    `time` (s) is the decisive instant, if there is one. `place` has the keys of the expectation in
+    the trial file.
     """
 
     expected: str
@@ -117,44 +117,44 @@ class Verdict:
 
     @property
     def slack_in_words(self) -> str:
-        """The slack and its unit; an empty text if there was nothing to judge."""
+        """Slack and its unit, or an empty text if there was nothing to compare."""
         if math.isinf(self.slack):
             return ""
         return f"{self.slack:.6g} {self.unit}".strip()
 
 
 def in_words(value: Any) -> str:
-    """Return a value as files have it: true and false, and all digits of numbers."""
+    """Return a value in the form of files: true and false, and all digits of numbers."""
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 Interval = tuple[float, float]
-"""From when to when, seconds."""
+"""Begin and end in seconds."""
 
 
 class LastingState(Protocol):
-    """Something that holds for a while."""
+    """State that holds during intervals."""
 
     def intervals(self, run: Outcome) -> list[Interval]:
-        """Return when it holds, in order of time."""
+        """Return the intervals in which it holds, in order of time."""
         ...
 
 
 @dataclass(frozen=True)
 class EventPattern:
-    """Events of a kind whose fields are as they should be."""
+    """Pattern of events of a kind, with conditions on their fields."""
 
     kind: str
     fields: tuple[tuple[str, Any], ...] = ()
 
     def matches(self, event: Event) -> bool:
-        """Return whether `event` is one of these."""
+        """Return whether `event` matches the pattern."""
         return event["kind"] == self.kind and all(
             _is(event.get(key), wanted) for key, wanted in self.fields
         )
 
     def found(self, run: Outcome) -> Iterator[tuple[int, Event]]:
-        """Yield the events that match, with their number among all events of the run."""
+        """Yield the matching events with their index in the run."""
         return ((k, event) for k, event in enumerate(run.events) if self.matches(event))
 
     def __str__(self) -> str:
@@ -164,7 +164,7 @@ class EventPattern:
 
 @dataclass(frozen=True)
 class Near:
-    """The centres of two bodies are nearer than `metres` to each other; or not, if `apart`."""
+    """State in which the centres of two bodies are nearer than `metres`, or not, if `apart`."""
 
     bodies: tuple[str, str]
     metres: float
@@ -177,7 +177,7 @@ class Near:
         return complement(near, run.duration) if self.apart else near
 
     def spare(self, run: Outcome, begin: float, end: float) -> float:
-        """Return the least distance from `begin` to `end` (seconds) beyond `metres`."""
+        """Return the minimum distance from `begin` to `end` (s) minus `metres`."""
         first, second = (run.motions[name] for name in self.bodies)
         return minimum_separation(first, second, begin, end)[1] - self.metres
 
@@ -188,7 +188,7 @@ class Near:
 
 @dataclass(frozen=True)
 class Moves:
-    """A body moves, faster than 0.01 m/s; or stands, if `not moving`."""
+    """State in which a body moves faster than 0.01 m/s, or does not, if `not moving`."""
 
     body: str
     moving: bool = True
@@ -207,21 +207,21 @@ Occurrence = EventPattern | Near | Moves
 
 
 def complement(intervals: list[Interval], end: float) -> list[Interval]:
-    """Return the time between 0 and `end` that is in none of the intervals."""
+    """Return the intervals between 0 and `end` (s) outside the given intervals."""
     edges = [0.0, *(t for interval in intervals for t in interval), end]
     gaps = zip(edges[::2], edges[1::2], strict=True)
     return [(begin, end) for begin, end in gaps if end > begin]
 
 
 def read_event(written: Any, trial: Scenario) -> EventPattern:
-    """Return the events that `written` stands for; `ValueError` says what is wrong with it."""
+    """Return the event pattern of `written`. `UserError` if it is invalid."""
     if isinstance(written, str):
         written = {"kind": written}
     if not isinstance(written, Mapping) or "kind" not in written:
         raise UserError(f"expected a kind of event, or keys with kind among them: {written!r}")
     named = str(written["kind"])
     kind = checked_name(named, "kind of event", event_kinds(trial, named))
-    if kind not in EVENT_KINDS:  # its fields are read once it is defined, as the run begins
+    if kind not in EVENT_KINDS:  # custom events are defined when the run begins
         return EventPattern(kind)
     forms = EVENT_KINDS[kind].forms
     fields = []
@@ -236,14 +236,14 @@ def read_event(written: Any, trial: Scenario) -> EventPattern:
 
 
 def read_occurrence(written: Any, trial: Scenario) -> Occurrence:
-    """Return the event or state that `written` stands for; `ValueError` says what is wrong."""
+    """Return the event pattern or state of `written`. `UserError` if it is invalid."""
     if isinstance(written, Mapping) and "kind" not in written:
         return read_state(written, trial)
     return read_event(written, trial)
 
 
 def read_state(written: Any, trial: Scenario) -> Near | Moves:
-    """Return the state that `written` stands for; `ValueError` says what is wrong with it."""
+    """Return the state of `written`. `UserError` if it is invalid."""
     keys = set(written) if isinstance(written, Mapping) else set()
     for key, apart in (("near", False), ("apart", True)):
         if keys == {key, "metres"}:
@@ -295,10 +295,10 @@ def _is(found: Any, wanted: Any) -> bool:
 
 
 INSTANT = 1e-6
-"""Seconds. A state that lasts no longer than this counts neither as being so nor as a gap."""
+"""Seconds. Shorter states and shorter gaps between states are ignored."""
 
 Moment = tuple[float, float]
-"""A time (seconds), and which of the run's events come before: those with a lower number."""
+"""Time (s) and number of the events before it."""
 
 _FORMS: dict[str, set[str]] = {
     "never": {"after", "before", "within"},
@@ -310,10 +310,10 @@ _FORMS: dict[str, set[str]] = {
 
 @dataclass(frozen=True)
 class Window:
-    """The part of a run that a statement is about.
+    """Time span of a run to which a statement applies.
 
-    From the time `after` (seconds) or just after the first such event, to the time `before` or
-    just before the first such event from there on, and at most `within` seconds long.
+    It begins at the time `after` (s) or just after the first such event, and ends at the time
+    `before` or just before the first such event after the begin. It lasts at most `within` seconds.
     """
 
     after: float | EventPattern = 0.0
@@ -321,12 +321,12 @@ class Window:
     within: float = math.inf
 
     def of(self, run: Outcome) -> tuple[Moment, Moment]:
-        """Its begin and end; `ValueError` says why the run has no such part."""
+        """Return its begin and end. `UserError` if the run has no such span."""
         if isinstance(self.after, EventPattern):
             first = next(self.after.found(run), None)
             if first is None:
                 raise UserError(f"{self.after} never happened")
-            # The times of events are rounded: the last may be beyond the end.
+            # Times of events are rounded, so that the last may be after the end.
             begin: Moment = (min(first[1]["t"], run.duration), float(first[0]))
         else:
             begin = (self.after, -1.0)
@@ -353,9 +353,9 @@ class Window:
 
 @dataclass(frozen=True)
 class Statement:
-    """One expectation over time: `what` never, always or eventually within `window`.
+    """Expectation over time: `what` never, always or eventually occurs within `window`.
 
-    `whenever` asks that each event that matches `trigger` is followed by `what` within a time.
+    With `whenever`, each event that matches `trigger` must be followed by `what` within a time.
     """
 
     form: Literal["never", "always", "eventually", "whenever"]
@@ -367,7 +367,7 @@ class Statement:
     delay: float = math.inf
 
     def check(self, run: Outcome) -> Verdict:
-        """Return whether it holds in `run`."""
+        """Return the verdict for `run`."""
         try:
             window = self.window.of(run)
         except UserError as why:
@@ -402,7 +402,7 @@ class Statement:
         return Verdict(str(self), found=found, met=met, time=time, slack=amount, unit=unit)
 
     def _slack(self, run: Outcome, begin: float, end: float, count: int) -> tuple[float, str]:
-        """Return the slack, and its unit: of a distance, a number of times, or a duration."""
+        """Return the slack and its unit. It is a distance, a count or a duration."""
         what = self.what
         if isinstance(what, Near) and self.times is None and what.apart == (self.form == "always"):
             spare = what.spare(run, begin, end)
@@ -415,14 +415,14 @@ class Statement:
         return (-held if self.form == "never" else held - (end - begin)), "s"
 
     def _times(self, run: Outcome, begin: Moment, end: Moment) -> list[float]:
-        """Return when it happens, or begins to hold, between two moments."""
+        """Return the times of the events or begins of the state between two moments."""
         if isinstance(self.what, EventPattern):
             return [e["t"] for k, e in self.what.found(run) if begin < (e["t"], k) < end]
         parts = [(max(b, begin[0]), min(e, end[0])) for b, e in self.what.intervals(run)]
         return [since for since, until in parts if until - since > INSTANT]
 
     def _gap(self, run: Outcome, begin: Moment, end: Moment) -> float | None:
-        """Return when a state first fails to hold, between two moments."""
+        """Return the first time between two moments at which a state does not hold, or None."""
         assert not isinstance(self.what, EventPattern)
         since = begin[0]
         for lower, upper in [*self.what.intervals(run), (end[0], math.inf)]:
@@ -444,7 +444,7 @@ class Statement:
             if self._times(run, moment, (min(until, run.duration), math.inf)):
                 answered += 1
             elif until > run.duration:
-                continue  # there is no telling what would have followed
+                continue  # events after the end of the run are unknown
             elif missed is None:
                 missed = event
             followed = self._times(run, moment, (run.duration, math.inf)) or [run.duration]
@@ -464,7 +464,7 @@ class Statement:
 
 
 def read_statement(written: Any, trial: Scenario) -> Statement:
-    """Return the statement given by `written`. Raises `ValueError` if it is invalid."""
+    """Return the statement of `written`. `UserError` if it is invalid."""
     if not isinstance(written, Mapping):
         raise UserError(f"expected keys with one of {', '.join(_FORMS)} among them: {written!r}")
     (form, *others) = [key for key in _FORMS if key in written] or [""]

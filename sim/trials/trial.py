@@ -1,4 +1,4 @@
-"""Trials: load, parse and save them. What reads their files is imported when one is read."""
+"""Trials: load, parse and save them. Readers are imported when they are used."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BUILT_IN = Path(__file__).parents[1] / "data" / "trials"
 """Folder of the trials that come with Floorwalker."""
 
 MOST_NAMED = 5
-"""Most people whom a trial names as it is shown."""
+"""Maximum number of people in the representation of a trial."""
 
 
 def builtin_trials() -> tuple[str, ...]:

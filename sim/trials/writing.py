@@ -1,4 +1,4 @@
-"""Writing of trials: YAML text from which the same trial can be read."""
+"""Trials written as YAML text from which the same trial can be read."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from floorplan.plan import floor_keys
 from navigation import FieldSet, Motion
 from navigation.catalog import PlannerChoice
 
-from ..core.entries import Command, Start, Workload
+from ..core.entries import Command, OrderedWork, Start
 from ..core.fields import keys_of_set
 from ..core.scenario import (
     USUAL_PLANNER,
@@ -42,10 +42,10 @@ from .rules_file import written_rules
 
 
 def out_of_reach(trial: Scenario, folder: Path) -> str:
-    """Return the fault of a file in `folder` that holds `trial`, or an empty text.
+    """Return why a file in `folder` cannot hold `trial`, or an empty text.
 
-    The code that a file names stands in its folder, or in one below or above it to which its
-    `folder` leads; so no file leads to code that is installed, or that has nothing to do with it.
+    Custom code must be in the folder of the trial file, or in a folder below or above it, so that
+    no file names installed or unrelated code.
     """
     here, there = folder.resolve(), trial.folder.resolve()
     names = ", ".join(own_names(trial))
@@ -88,18 +88,18 @@ def _trial(trial: Scenario) -> Data:
         "traffic": None if trial.traffic else False,
         "expect": trial.expect,
     }
-    known = {field.name for field in fields(Scenario)}
+    order = dict.fromkeys(("name", *(field.name for field in fields(Scenario))))
     data: Data = {
         key: special[key] if key in special else _value(getattr(trial, key), trial)
-        for key in TrialKeys.model_fields
-        if key in known
+        for key in order
+        if key in TrialKeys.model_fields
     }
     data = _without(data, None, [], {})
     return data if trial.workload is None else data | _orders(trial, trial.workload)
 
 
-def _orders(trial: Scenario, workload: Workload) -> Data:
-    """Return the keys of the orders and of the other values in their file."""
+def _orders(trial: Scenario, workload: OrderedWork) -> Data:
+    """Return the keys of the orders, and the keys that would otherwise come from the order file."""
     if not workload.source:
         raise UserError(
             f"the trial {trial.name!r} can't be written: its orders came from no file; give source"
@@ -138,7 +138,7 @@ def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
 
 
 def _value(value: Any, trial: Scenario) -> Any:
-    """Return a field's value as its key has it."""
+    """Return the value of a field in the form of a file."""
     match value:
         case Job() | Duration():
             return value.written()
@@ -203,11 +203,11 @@ def _controller(controller: str | Callable[[Any], Any], whose: str, trial: Scena
 
 
 def _found_again(made: Any, name: str, kind: str, trial: Scenario) -> str:
-    """Return the name by which a function or class in the trial's folder is found again."""
+    """Return the name with which a function or class in the trial's folder is imported again."""
     folder = trial.folder.resolve()
     module = sys.modules.get(getattr(made, "__module__", ""))
     file = getattr(module, "__file__", None)
-    # A script would be run again, and not as what it is now, if it was imported by its name.
+    # A script that is imported by name runs again as another module.
     is_script = module is sys.modules["__main__"]
     if file and not is_script and getattr(module, name, None) is made:
         path = Path(file).resolve().with_suffix("")
@@ -222,12 +222,12 @@ def _found_again(made: Any, name: str, kind: str, trial: Scenario) -> str:
 
 
 def _without(data: Data, *usual: object) -> Data:
-    """Return `data` without the keys whose values are among the `usual` ones."""
+    """Return `data` without keys with the `usual` values."""
     return {key: value for key, value in _plain(data).items() if value not in usual}
 
 
 def _plain(value: Any) -> Any:
-    """`value` in lists, keys and Python's own numbers: NumPy's and an `Instant` will do as well."""
+    """Return `value` with lists and Python's own numbers instead of tuples and NumPy's."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, Mapping):

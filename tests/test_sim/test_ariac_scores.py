@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 import floorplan
-from sim.core.entries import AssemblyTask, CombinedTask, Item, KittingTask, Load, PartType
 from sim.orders.inventory import TABLES, bin_slot, quadrant_on, tool_stand, tray_on, tray_slot
 from sim.orders.schema import angle
 from sim.orders.scoring import Inserted, assembly_score, best_score, kitting_score
+from sim.orders.workload import AssemblyTask, CombinedTask, Item, KittingTask, Load, PartType
 
 COLORS = ("blue", "green", "orange", "purple", "red")
 TYPES = ("battery", "pump", "regulator", "sensor")

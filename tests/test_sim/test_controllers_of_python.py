@@ -52,6 +52,29 @@ def test_what_takes_the_gantry_is_a_controller(controller, name, tmp_path):
         trial.to_yaml()
 
 
+def test_a_function_with_a_rate_sends_the_gantry_to_targets_and_its_jobs():
+    calls = []
+
+    def choose(gantry):
+        calls.append(gantry.now)
+        goal = gantry.goal_pose
+        return (-3.0, 0.0, 0.5) if goal is None else goal[:2]
+
+    places = (-8.0, 2.0, 0.0), (-4.0, -2.0, 0.0)
+    jobs = tuple(sim.Job("move", target=place) for place in places)
+    gantry = sim.GantryEntry(controller=choose, rate=2.0, jobs=jobs)
+    run = sim.run(replace(TRIAL, duration=60.0, gantry=gantry))
+    assert run.summary["jobs_done"] == 2
+    assert run.motions["gantry"].position(60.0) == pytest.approx((-3.0, 0.0))
+    assert calls == [k / 2 for k in range(len(calls))]
+
+
+def test_a_target_of_a_function_with_a_rate_is_checked():
+    gantry = sim.GantryEntry(controller=lambda gantry: 3.0, rate=2.0)
+    with pytest.raises(sim.ControllerError, match=r"target must be \(x, y\)"):
+        sim.run(replace(TRIAL, gantry=gantry))
+
+
 def test_one_that_fails_is_named_by_its_qualified_name():
     def late(gantry):
         yield gantry.wait(1.0)

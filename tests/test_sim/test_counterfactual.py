@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import sim
-from sim.core.entries import Workload
+from sim.orders.workload import Workload
 from sim.trials.counterfactual import counterfactual_of, difference
 
 TRIAL = """

@@ -108,17 +108,21 @@ def test_a_policy_gives_the_same_run_in_the_environment_and_in_a_trial():
     assert same_run(run, simulation.finish())
 
 
-def linear_policy(path, interface, outputs=2, metadata=True):
-    """Write a policy that turns to the goal as an ONNX file."""
+def linear_policy(path, interface, outputs=2, metadata=True, discrete=False):
+    """Write a policy that turns to the goal as an ONNX file, or one of nine discrete actions."""
     onnx = pytest.importorskip("onnx")
     weights = np.zeros((interface.size, outputs), np.float32)
     weights[7, 0], weights[8, 1] = 0.3, 0.5
-    node = onnx.helper.make_node("MatMul", ["obs", "weights"], ["action"])
+    nodes = [onnx.helper.make_node("MatMul", ["obs", "weights"], ["action"])]
+    result = onnx.helper.make_tensor_value_info("action", 1, [1, outputs])
+    if discrete:
+        nodes.append(onnx.helper.make_node("ArgMax", ["action"], ["choice"], axis=1, keepdims=0))
+        result = onnx.helper.make_tensor_value_info("choice", 7, [1])
     graph = onnx.helper.make_graph(
-        [node],
+        nodes,
         "policy",
         [onnx.helper.make_tensor_value_info("obs", 1, [1, interface.size])],
-        [onnx.helper.make_tensor_value_info("action", 1, [1, outputs])],
+        [result],
         [onnx.numpy_helper.from_array(weights, "weights")],
     )
     model = onnx.helper.make_model(graph, opset_imports=[onnx.helper.make_opsetid("", 17)])
@@ -154,6 +158,17 @@ def test_an_onnx_file_is_a_controller_with_the_run_of_its_environment(tmp_path):
             {"bot": env._spaces.chosen(policy(flat(env.episodes.observe("bot"))))}
         )
     assert same_run(run, env.run())
+
+
+def test_an_onnx_file_may_choose_discrete_actions(tmp_path):
+    interface = Interface(people=0, rays=8)
+    linear_policy(tmp_path / "policy.onnx", interface, outputs=9, discrete=True)
+    run = sim.run(trial_with("policy.onnx", tmp_path))
+    # The fifth of the nine actions stands still; 0, the first, is both backwards.
+    xs = [run.motions["bot"].position(t)[0] for t in np.linspace(0.0, 60.0, 20)]
+    assert max(xs) - min(xs) > 0.1
+    linear_policy(tmp_path / "policy.onnx", interface, outputs=12, discrete=True)
+    sim.run(trial_with("policy.onnx", tmp_path))
 
 
 @pytest.mark.parametrize(

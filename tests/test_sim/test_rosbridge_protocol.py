@@ -36,7 +36,7 @@ from sim.bridge.protocol import (
     decode,
     fragments,
 )
-from sim.core.entries import AssemblyTask, CombinedTask, KittingTask, Order, PartType
+from sim.orders.workload import AssemblyTask, CombinedTask, KittingTask, Order, PartType
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),

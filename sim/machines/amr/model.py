@@ -23,15 +23,13 @@ from ...core.entries import Pose
 from ...core.scenario import Controller
 from ...core.stage import MachineModel, Stage
 from ..controllers import STAY
+from ..rated import find_program, program, rate_faults
 from ..supervision import ControllerError
 from .amr import Amr
-from .controllers import find_program, program
+from .controllers import VEHICLE_CONTROLLER
 from .drive import floor_of
 from .missions import Mission
 from .shape import Chassis
-
-MOST_RATE = 100.0
-"""Hz. Highest rate of a controller."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,13 +105,13 @@ class AmrModel(MachineModel):
             priority=self.priority,
             makes_way=self.controller not in STAY,
             on_contact=self.on_contact,
-            controller=program(self.controller, self.rate, stage.code_folder),
+            controller=program(self.controller, self.rate, VEHICLE_CONTROLLER, stage.code_folder),
         )
 
     def code_faults(self, folder: CodeFolder) -> Iterator[Fault]:
         """Yield the fault of its controller, if there is one."""
         try:
-            find_program(self.controller, self.rate, folder)
+            find_program(self.controller, self.rate, VEHICLE_CONTROLLER, folder)
         except ControllerError as why:
             yield str(why), ("controller",)
 
@@ -146,8 +144,7 @@ class AmrModel(MachineModel):
             yield "give size or footprint, not both", ("size",)
         if self.max_side_speed is not None and self.drive != "holonomic":
             yield "only a holonomic drive has one", ("max_side_speed",)
-        if self.rate is not None and self.rate > MOST_RATE:
-            yield f"must be at most {MOST_RATE:g} Hz, not {self.rate:g}", ("rate",)
+        yield from rate_faults(self.rate)
         if self.every is not None and self.repeat:
             yield "give every or repeat, not both", ("every",)
 

@@ -10,12 +10,12 @@ from ..controllers import (
     Source,
     external,
     is_controller,
-    loaded,
     oblivious,
     parked,
     pausing,
     source_of,
 )
+from ..rated import NEEDS_RATE
 from ..supervision import ControllerError
 from .avoidance import avoiding
 from .robot import GantryRobot
@@ -35,20 +35,13 @@ CONTROLLERS: dict[str, Controller] = {
 
 CONTROLLER = Kind(
     noun="gantry controller",
-    words="generator function, nor a class with a method __iter__, as a controller is",
+    words="generator function, nor a class with a method __iter__, as a controller is;"
+    f" {NEEDS_RATE}",
     accepts=is_controller,
     error=ControllerError,
     builtin=CONTROLLERS,
 )
 """Functions and classes that a trial can name as the controller of a gantry."""
-
-
-def find_controller(name: str | Controller, folder: CodeFolder) -> Controller:
-    """Return a controller by its name, imported if it is custom. A callable is returned as it is.
-
-    `ControllerError` if there is no such controller.
-    """
-    return loaded(name, CONTROLLER, controller_source(name, folder))
 
 
 def controller_source(name: str | Controller, folder: CodeFolder) -> Source | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
-from functools import partial
 from typing import Any
 
 from pydantic import TypeAdapter
@@ -19,8 +18,8 @@ from ...core.body import MachineShape
 from ...core.entries import Pose
 from ...core.scenario import GantryEntry, Job
 from ...core.stage import MachineModel, Stage
-from ..supervision import supervised
-from .controllers import find_controller
+from ..rated import program, rate_faults
+from .controllers import CONTROLLER
 from .robot import GantryRobot, gantry_shape
 from .tasks import fixed_places
 
@@ -62,8 +61,7 @@ class GantryModel(MachineModel):
     def make(self, name: str, stage: Stage) -> GantryRobot:
         """Return the robot. `ControllerError` if there is no such controller."""
         entry = self.entry
-        steps = find_controller(entry.controller, stage.code_folder)
-        controller = partial(supervised, entry.controller_name, steps)
+        controller = program(entry.controller, entry.rate, CONTROLLER, stage.code_folder)
         return GantryRobot(stage, self._on(stage.floorplan), entry, name, controller=controller)
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
@@ -76,6 +74,7 @@ class GantryModel(MachineModel):
         if entry.at is not None:
             for fault in gantry.faults(entry.at):
                 yield fault, ("at",)
+        yield from rate_faults(entry.rate)
         fixed = fixed_places(plan)
         names = {*fixed, *vehicles}
         for k, job in enumerate(entry.jobs):

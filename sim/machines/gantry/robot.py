@@ -38,6 +38,9 @@ GANTRY = "gantry"
 SLOWEST = 0.05
 """Lowest share of the speed that a policy can choose."""
 
+ARRIVED = 1e-6
+"""Metres and radians. Rounding of the pose at the end of a move."""
+
 PASSING = 0.5
 """Metres between candidates for passing places."""
 
@@ -225,11 +228,13 @@ class GantryRobot(PolicyDriven, Evading):
 
     @override
     def act(self, action: Sequence[float], until: float, radius: float) -> Steps:
-        x, y, share = action
+        if not isinstance(action, Sequence) or len(action) not in (2, 3):
+            raise UserError(f"the target must be (x, y) or (x, y, speed share), not {action!r}")
+        x, y, share = (*action, 1.0)[:3]
         goal = self.goal_pose
         if goal is None or math.dist(goal[:2], (x, y)) > radius:
             self.move_to(x, y, speed_share=share)
-        elif self.body.motion.end <= self.now and self.position == goal:
+        elif self.body.motion.end <= self.now and math.dist(self.position, goal) < ARRIVED:
             yield self.handle(self.open_tasks[0])
         else:
             self.move_to(*goal, speed_share=share)

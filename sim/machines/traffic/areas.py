@@ -276,9 +276,11 @@ class Part:
         """
         end = _end_of_part(motion, now, seconds)
         courses = [poses_on(motion, now, end)]
-        times = [end, (now + end) / 2]
-        stops = [_stop(machine, motion, t) for t in times]
-        if not all(map(is_straight, (*courses, *stops))):
+        stops = []
+        if straight := is_straight(courses[0]):
+            stops = [_stop(machine, motion, t) for t in (end, (now + end) / 2)]
+            straight = all(map(is_straight, stops))
+        if not straight:
             count = math.ceil((end - now) / BETWEEN_STOPS)
             stops = [
                 _stop(machine, motion, now + (end - now) * k / count) for k in range(count + 1)
