@@ -423,9 +423,8 @@ class Move(Event):
         self._drive.ended()
         if self.callbacks:
             self.succeed()
-        else:  # without an entry in the queue, because nothing waits for it
-            self._ok, self._value = True, None
-            self.callbacks = None  # type: ignore[assignment]
+        elif not self.processed:  # without an entry in the queue, because nothing waits for it
+            self._drive.body.clock.occur(self, None)
 
     def arrive(self) -> None:
         """End at the target, or wait if the move has come to rest early."""
