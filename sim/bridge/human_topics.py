@@ -68,7 +68,7 @@ class HumanTopics:
         self._cell = cell
         self._exchange = exchange
         self._act_command = cell.commands.get(f"{name}/act")
-        self._goal = cell.commands[f"{name}/goal"]
+        self._goal = cell.commands.get(f"{name}/goal")
         self._unanswered: tuple[str, float] | None = None
         """Violation that the agent has not answered yet, and its time (s)."""
         self._topics = {
@@ -120,7 +120,7 @@ class HumanTopics:
         action = COMMANDS[topic][1](message)
         if action is None:
             return
-        if self._act_command is None:
+        if self._act_command is None or self._goal is None:
             raise RefusedError(
                 f"{self._person.name} has a mind of their own;"
                 " give them the personality external to command them"

@@ -7,9 +7,10 @@ import math
 import socket
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Any
 
 from ..cell import Pace
+from ..live.live_run import LiveRun
 from ..live.page_server import Origins
 from ..simulation import Simulation
 from .client import Client
@@ -26,20 +27,7 @@ PERIOD = 0.1
 PAUSED = "it is paused on its page"
 
 
-class Viewer(Protocol):
-    """Page that shows a run under way. `attend` carries out the requests of its viewers."""
-
-    def follow(self, simulation: Simulation, pace: Pace) -> None:
-        """Show a run that has started, and let the page change its pace."""
-
-    def attend(self, simulation: Simulation) -> None:
-        """Carry out requests, and send changes to the page."""
-
-    def leave(self) -> None:
-        """Carry out no more requests, because the run is over."""
-
-
-async def attend(viewer: Viewer, simulation: Simulation) -> None:
+async def attend(viewer: LiveRun, simulation: Simulation) -> None:
     """Attend to a page until this is cancelled."""
     try:
         while True:
@@ -82,7 +70,7 @@ class Session:
         Function for lines that the user should read.
     origins : Origins, optional
         Origins of web pages that are accepted. By default those of this machine.
-    viewer : Viewer, optional
+    viewer : LiveRun, optional
         Page that shows the run.
 
     Raises
@@ -101,7 +89,7 @@ class Session:
         grace: float = GRACE,
         notice: Callable[[str], None] = lambda _: None,
         origins: Origins | None = None,
-        viewer: Viewer | None = None,
+        viewer: LiveRun | None = None,
     ) -> None:
         if not (math.isfinite(speed) and speed >= 0):
             raise BridgeError(f"speed must be 0 or more, not {speed:g}")

@@ -114,7 +114,7 @@ class Admission:
     def _check_source(self, name: str, source: str) -> None:
         before, at = self._sources.get(name, (source, 0.0))
         self._sources[name] = source, self._clock.now
-        if source != before and self._clock.now - at <= RECENT:
+        if source and before and source != before and self._clock.now - at <= RECENT:
             text = f"{name} is commanded by {before} and {source}; the last one counts"
             self._report(name, "sources", text)
 

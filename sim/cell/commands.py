@@ -67,7 +67,7 @@ class CellCommand:
         self._admission.admit(self.name, value, source)
         try:
             self._carry_out(value)
-        except (ValueError, PlanningError) as why:
+        except (ValueError, TypeError, PlanningError) as why:
             raise self._admission.rejected(self.name, value, str(why)) from why
 
 
@@ -85,10 +85,10 @@ def commands_of(
         return CellCommand(f"{body}/{name}", admission, interrupted)
 
     for person in simulation.people:
-        if person.is_recorded:
-            continue
         body, route = f"people/{person.name}", PersonRoute(simulation, person)
         yield CellCommand(f"{body}/start", admission, partial(_start, person))
+        if person.is_recorded:
+            continue
         yield command(body, "goal", partial(_send, route))
         yield command(body, "stop", partial(_stop, route))
         if route.is_external:

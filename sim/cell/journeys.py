@@ -10,7 +10,6 @@ from typing import Any
 from simpy.events import Event as Occurrence
 
 from floorplan import Lane, UserError
-from navigation import PlanningError
 from navigation.machines import lane_state
 
 from ..core.body import is_there
@@ -57,7 +56,7 @@ def _driving(
     )
 
 
-class MachineJourney:
+class MachineJourney(Journey):
     """Drive of a machine to targets, one after the other."""
 
     def __init__(self, machine: CommandedMachine, targets: Sequence[Target]) -> None:
@@ -79,19 +78,7 @@ class MachineJourney:
 
     def outcome(self) -> str:
         """Return the outcome, or continue with the next target."""
-        if self._ended != SUCCEEDED:
-            return self._ended
-        self.left.pop(0)
-        if not self.left:
-            return SUCCEEDED
-        try:
-            self.begin()
-        except (ValueError, PlanningError) as why:
-            return f"failed: {why}"
-        return ""
-
-    def see(self, event: Event) -> None:
-        """Ignore events."""
+        return self.proceed() if self._ended == SUCCEEDED else self._ended
 
     def stop(self) -> None:
         """Stop the machine."""
@@ -102,8 +89,6 @@ class TrajectoryJourney(MachineJourney):
     """Motion of a gantry along a joint trajectory."""
 
     def __init__(self, gantry: GantryRobot, trajectory: JointTrajectory) -> None:
-        if not isinstance(trajectory, JointTrajectory):
-            raise UserError("expected a JointTrajectory")
         super().__init__(gantry, [gantry.position])
         self._gantry = gantry
         self._trajectory = trajectory
@@ -116,7 +101,7 @@ class TrajectoryJourney(MachineJourney):
         then(end, partial(self._has_ended, self.left[0]))
 
 
-class LaneJourney:
+class LaneJourney(Journey):
     """Drive of an AGV to a location or position of its lane."""
 
     def __init__(self, agv: Agv, to: str | float | Pose) -> None:
@@ -144,9 +129,6 @@ class LaneJourney:
             return ""
         return SUCCEEDED if abs(self._agv.lane_position - self._at) < NEAR else REPLACED
 
-    def see(self, event: Event) -> None:
-        """Ignore events."""
-
     def stop(self) -> None:
         """Stop on the lane, as near as possible."""
         agv, lane = self._agv, self._agv.lane
@@ -170,7 +152,7 @@ def _on_lane(lane: Lane, pose: Pose) -> float:
     return position
 
 
-class PersonJourney:
+class PersonJourney(Journey):
     """Walk of a person to targets, one after the other."""
 
     def __init__(self, route: PersonRoute, targets: Sequence[Target]) -> None:
@@ -189,12 +171,7 @@ class PersonJourney:
     def outcome(self) -> str:
         """Return the outcome, or continue with the next target."""
         outcome = self._progress.outcome
-        if outcome == SUCCEEDED:
-            self.left.pop(0)
-            if self.left:
-                self.begin()
-                return ""
-        return outcome
+        return self.proceed() if outcome == SUCCEEDED else outcome
 
     def see(self, event: Event) -> None:
         """Follow the events of the person."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 from shapely.geometry import LineString
 
@@ -24,26 +25,37 @@ SIMPLER = 0.05
 """Metres by which the waypoints of a person or machine may differ from a dense path."""
 
 
-class Journey(Protocol):
-    """Motion of a person or machine through the targets of one task."""
+class Journey(ABC):
+    """Motion of a person or machine through the targets of one task, which are `left`."""
 
     body: Body
+    left: list[Target]
 
-    @property
-    def left(self) -> Sequence[Target]:
-        """Targets that are left."""
-
+    @abstractmethod
     def begin(self) -> None:
         """Set out. `ValueError` or `PlanningError` if that is impossible."""
 
+    @abstractmethod
     def outcome(self) -> str:
         """Return "succeeded" or "failed: why" once it has ended, and continue until then."""
 
-    def see(self, event: Event) -> None:
-        """Handle an event of the run."""
-
+    @abstractmethod
     def stop(self) -> None:
         """Stop at once."""
+
+    def see(self, event: Event) -> None:  # noqa: B027 (few journeys need events)
+        """Handle an event of the run, by default not at all."""
+
+    def proceed(self) -> str:
+        """Set out for the next target, and return the outcome if there is none."""
+        self.left.pop(0)
+        if not self.left:
+            return SUCCEEDED
+        try:
+            self.begin()
+        except (ValueError, PlanningError) as why:
+            return f"failed: {why}"
+        return ""
 
 
 class Running:
@@ -171,7 +183,7 @@ class CellTask:
         try:
             journey = self._make(goal)
             journey.begin()
-        except (ValueError, PlanningError) as why:
+        except (ValueError, TypeError, PlanningError) as why:
             reason = why.message if isinstance(why, PlanningError) else str(why)
             raise self._admission.rejected(self.name, goal, reason) from why
         running = Running(self.name, goal, journey, self._refresh)

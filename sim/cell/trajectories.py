@@ -70,6 +70,8 @@ class JointTrajectory:
 
 def follow(gantry: GantryRobot, trajectory: JointTrajectory) -> Event:
     """Follow a trajectory, and return the event of its end. `TrajectoryError` if it is invalid."""
+    if not isinstance(trajectory, JointTrajectory):
+        raise TrajectoryError("expected a JointTrajectory")
     if gantry.disabled:
         raise TrajectoryError("the gantry is disabled")
     target = target_in(gantry.gantry, trajectory)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
+from functools import lru_cache, partial
 
-from floorplan import Human, Point
+from floorplan import Human, Point, Station
 from navigation import (
     CollisionWorld,
     Cylinder,
@@ -94,6 +95,9 @@ class Errand:
         self._senses = senses
         self._name = walker.body.name
         self._waiting_places = WaitingPlaces(stage, walker.world, walker.human)
+        self._station_at = lru_cache(maxsize=256)(
+            partial(_nearest_station, stage.floorplan.stations, walker.human)
+        )
         self._waits_for: Point | None = None
         self._occupant: Machine | None = None
         """Vehicle for which the person waits or last waited."""
@@ -224,11 +228,12 @@ class Errand:
         self._wait_for(occupant)
         return True
 
-    def _station_at(self, point: Point) -> str | None:
-        tolerance = self._walker.human.goal_tolerance
-        near = [
-            (distance, station.name)
-            for station in self._stage.floorplan.stations
-            if (distance := math.dist(station.position, point)) <= tolerance
-        ]
-        return min(near)[1] if near else None
+
+def _nearest_station(stations: Sequence[Station], human: Human, point: Point) -> str | None:
+    """Return the name of the station at a point, within the tolerance of goals, or None."""
+    near = [
+        (distance, station.name)
+        for station in stations
+        if (distance := math.dist(station.position, point)) <= human.goal_tolerance
+    ]
+    return min(near)[1] if near else None

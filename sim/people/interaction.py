@@ -105,6 +105,8 @@ class Interaction:
 
     def give_up(self) -> None:
         """End the interaction."""
+        if self._other is None and self._passing is None:
+            return
         self._other = self._aim = self._passing = None
         self._errand.escorts = None
         self._turning.set(None)

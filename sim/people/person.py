@@ -480,8 +480,9 @@ class Person:
 
     def wake(self) -> None:
         """Schedule the next activity of the mind, for example after a message."""
-        if self.mind.next_wakeup is not None:
-            self._senses.think_by(self.mind.next_wakeup)
+        wakeup = self.mind.next_wakeup
+        if wakeup is not None:
+            self._senses.think_by(wakeup)
 
     def _think(self) -> None:
         if self.left_at is not None:

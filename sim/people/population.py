@@ -203,10 +203,11 @@ class Population:
         inspector = self._inspectors.get(person.name)
         if inspector is not None and isinstance(person.mind, bdi.Agent):
             inspector.look(rounded(self._stage.clock.now), person.mind)
-        spoken_to, self._society.spoken_to = self._society.spoken_to, set()
+        spoken_to = self._society.spoken_to
         if not spoken_to:
             person.wake()
             return
+        self._society.spoken_to = set()
         for listener in self.people:
             if listener is person or listener.name in spoken_to:
                 listener.wake()

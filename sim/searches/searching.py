@@ -255,10 +255,9 @@ def _evaluated(
     progress: Report,
 ) -> Iterator[Evaluation]:
     """Yield the evaluations batch by batch. Evaluations in the folder are not run again."""
-    space, objective = wanted.space, wanted.objective
+    space = wanted.space
     sampler = Checked(make, space, derived_seed("sampler", wanted.study.seed))
     measured = folder.table.records()
-    keep = Keep(objective)
     best: Evaluation | None = None
     done = 0
     while done < wanted.evaluations:
@@ -266,17 +265,9 @@ def _evaluated(
         numbers = range(done, done + wanted.batch)
         proposed = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
         points = [space.random_point(k) if wanted.is_random(k) else next(proposed) for k in numbers]
-        wanted_now = min(wanted.batch, wanted.evaluations - done)
+        chosen = [*zip(numbers, points, strict=True)][: wanted.evaluations - done]
         batch = []
-        for one, outcome in _run(
-            space,
-            [*zip(numbers, points, strict=True)],
-            wanted_now,
-            measured,
-            keep,
-            wanted,
-            parallel,
-        ):
+        for one, outcome in _run(wanted, chosen, measured, parallel):
             batch.append(one)
             if one.number >= folder.table.rows:
                 with writing_to(folder.path):
@@ -295,12 +286,9 @@ def _evaluated(
 
 
 def _run(
-    space: Space,
-    batch: list[tuple[int, Point]],
-    count: int,
-    measured: Sequence[Record],
-    keep: Keep,
     wanted: WorstCaseSearch,
+    batch: list[tuple[int, Point]],
+    measured: Sequence[Record],
     parallel: Parallel,
 ) -> Iterator[tuple[Evaluation, Found]]:
     """Yield the evaluations of the points of a batch, in their order."""
@@ -309,12 +297,12 @@ def _run(
 
     rows: list[tuple[int, Point, Mapping[str, Any], Found | None]] = []
     tasks = []
-    one = joblib.delayed(left_of)
-    for number, point in batch[:count]:
+    one, keep = joblib.delayed(left_of), Keep(wanted.objective)
+    for number, point in batch:
         values: Mapping[str, Any] = dict(point)
         outcome: Found | None = None
         try:
-            row = space.row(number, point)
+            row = wanted.space.row(number, point)
             values = row.parameters
         except (UserError, OSError) as why:
             outcome = {**failed(why), "result": "no trial"}

@@ -1,4 +1,4 @@
-"""What tests of the bridge share: a session in a thread, and a plain client over a socket."""
+"""Parts of tests of the bridge: a session in a thread, and a plain client over a socket."""
 
 import asyncio
 import json
@@ -47,11 +47,11 @@ def trial(personality="external", duration=275.0, start=0.0, controller="parked"
 
 
 STEP = 1 / 16
-"""Seconds of real time by which a session by hand goes on at once, which add up exactly."""
+"""Seconds of real time of one step of a session by hand, whose sum is exact."""
 
 
 class InThread:
-    """An event loop in a thread of its own that runs `main(opened)`, which calls `opened()`."""
+    """Event loop in its own thread that runs `main(opened)`, which calls `opened()`."""
 
     def __init__(self, main, loop=None):
         self.failure = None
@@ -73,7 +73,7 @@ class InThread:
             self._loop.close()
 
     def do(self, action):
-        """Run `action` in that thread, and hand its result over."""
+        """Run `action` in that thread and return its result."""
 
         async def run():
             return action()
@@ -81,7 +81,7 @@ class InThread:
         return asyncio.run_coroutine_threadsafe(run(), self._loop).result(HANG)
 
     def join(self, timeout):
-        """Wait for the end of `main`; return whether it came."""
+        """Wait for the end of `main`. Return whether it has ended."""
         self._thread.join(timeout)
         return not self._thread.is_alive()
 
@@ -92,7 +92,7 @@ class InThread:
 
 
 class Served:
-    """A session under way: its address, its notices, and its run.
+    """Session under way, with its address, its notices, and its run.
 
     `by_hand` time goes on in `move` alone, and else by the wall's clock.
     """
@@ -130,14 +130,14 @@ class Served:
         return self._loop.time()
 
     def move(self, seconds):
-        """Let real time go by in a session by hand, in steps of which none is too long for it."""
+        """Advance the real time of a session by hand in short steps."""
         while seconds > 0 and not self._thread.join(0):
             with suppress(RuntimeError):  # it is over
                 self._loop.move(min(seconds, STEP))
             seconds -= STEP
 
     def accompany(self, seconds):
-        """Let time go by in a session by hand, and wait until all clients have acted on it."""
+        """Advance a session by hand, and wait until all clients have acted."""
         self.move(seconds)
 
         async def reached():
@@ -153,7 +153,7 @@ class Served:
                 reaching.close()  # it is over
 
     def join(self):
-        """Wait for the end, which comes by itself; the run."""
+        """Wait for the end of the trial and return the run."""
         while self._loop is not None and not self._thread.join(0):
             self.move(STEP)
         assert self._thread.join(HANG), f"still at t = {self.now} s: {self.notices}"
@@ -164,7 +164,7 @@ class Served:
 
 @contextmanager
 def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0, viewer=None, by_hand=False):
-    """A session of the bridge for `a_trial`, on a free port of this machine."""
+    """Session of the bridge for `a_trial`, on a free port of this machine."""
     session = Served(a_trial or trial(), listeners, speed, hold, grace, viewer, by_hand)
     try:
         yield session
@@ -174,7 +174,7 @@ def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0, viewer=No
 
 @contextmanager
 def relay(port=0, **options):
-    """A rosbridge server with no simulation behind it: clients hear each other. Its address.
+    """Address of a rosbridge server without a simulation, on which clients hear each other.
 
     `options` are those of a server.
     """
@@ -221,21 +221,21 @@ class Command:
 
     @property
     def url(self):
-        """The address, once it is served."""
+        """Address, once it is served."""
         (line,) = self.wait_for(lambda: [n for n in self.notices if n.startswith("serving")])
         return line.removeprefix("serving ")
 
     def wait_for(self, holds):
-        """What `holds` returns, once that is something."""
+        """Wait until `holds` returns a true value, and return it."""
         return until(holds, self.process, lambda: self.notices)
 
     def interrupt(self):
-        """Press Ctrl-C; the exit code."""
+        """Press Ctrl-C, and return the exit code."""
         self.process.send_signal(signal.SIGINT)
         return self.finish()[0]
 
     def finish(self):
-        """Wait for the end; the exit code, and what was printed."""
+        """Wait for the end, and return the exit code and the output."""
         printed = self.process.stdout.read()
         code = self.process.wait(HANG)
         self._listening.join(HANG)
@@ -244,7 +244,7 @@ class Command:
 
 
 class Client:
-    """A client that says and hears exactly what it is told to."""
+    """Client that sends exactly the given operations."""
 
     def __init__(self, url, **options):
         options = {"compression": None, "max_size": None, "close_timeout": 0.5, **options}
@@ -268,37 +268,37 @@ class Client:
             self.send(op="subscribe", topic=topic, **options)
 
     def settle(self):
-        """Wait until everything that was sent has been taken."""
+        """Wait until all messages of this client are handled."""
         self.call("/nowhere")
 
     def hear(self, timeout=HANG):
-        """The next thing that the server says."""
+        """Return the next operation of the server."""
         return json.loads(self.socket.recv(timeout))
 
     def hear_until(self, is_it):
-        """The first thing that the server says of which `is_it` holds."""
+        """Return the first operation of the server for which `is_it` holds."""
         hangs_at = time.monotonic() + HANG
         while not is_it(said := self.hear()):
             assert time.monotonic() < hangs_at, said
         return said
 
     def message(self, topic):
-        """The next message on `topic`."""
+        """Return the next message on `topic`."""
         return self.hear_until(lambda said: said.get("topic") == topic)["msg"]
 
     def call(self, service, **arguments):
-        """The answer of a service: whether it worked, and its values."""
+        """Return whether a service call has succeeded, and its values."""
         self.send(op="call_service", service=service, args=arguments, id="a call")
         said = self.hear_until(lambda said: said["op"] == "service_response")
         return said["result"], said["values"]
 
     def error(self):
-        """What the server has to complain about next."""
+        """Return the next status message of the server."""
         return self.hear_until(lambda said: said["op"] == "status")
 
 
 class Pacer(Client):
-    """A client of a session by hand: time goes on while it waits for what the server says next."""
+    """Client of a session by hand, whose time advances while it waits for the server."""
 
     def __init__(self, session, step=STEP, **options):
         super().__init__(session.url, **options)
@@ -307,7 +307,7 @@ class Pacer(Client):
         self._heard = deque()
 
     def heard(self):
-        """Everything that the server has said by now."""
+        """Return all operations that the server has sent until now."""
         self.send(op="call_service", service="/nowhere", id="settled")
         while (said := super().hear()).get("id") != "settled":
             self._heard.append(said)
@@ -325,7 +325,7 @@ class Pacer(Client):
 
 
 def require_whole(folder):
-    """Every file of a recording can be read, to its last line."""
+    """Require that each file of a recording can be read to its last line."""
     json.loads((folder / "summary.json").read_text())
     for name in ("events.jsonl", "motions.jsonl"):
         lines = (folder / name).read_text().splitlines()

@@ -1,4 +1,4 @@
-"""The bridge as the simulation: topics, services, and how time goes on, over a real socket."""
+"""The bridge as the simulation: topics, services and time, over a real socket."""
 
 import asyncio
 import json
@@ -33,7 +33,7 @@ HUMAN = ("/ariac/start_human", "/ariac_human/position_reached", "/ariac_human/un
 
 
 def drive(url, personality, a_trial=None, **options):
-    """Run one of our agents against `url`; what it did, as (time, action)."""
+    """Run an agent against `url`, and return its actions as (time, action)."""
     done = []
     a_trial = (a_trial or trial()).with_personality(personality)
     agent = RemoteAgent(
@@ -48,7 +48,7 @@ def drive(url, personality, a_trial=None, **options):
 
 
 def happenings(run):
-    """The events of a run, but for those that tell how it was driven."""
+    """Return the events of a run without those about its driver."""
     return [event for event in run.events if event["kind"] not in ("trial_started", "said")]
 
 
@@ -290,7 +290,7 @@ def test_time_keeps_to_the_wall_clock():
 
 
 def test_small_messages_are_not_held_back_by_the_kernel():
-    """Nagle's algorithm would hold each back until the last one is acknowledged: 40 ms later."""
+    """Nagle's algorithm would delay each by 40 ms, until the last one is acknowledged."""
     with served(trial()) as session, Client(session.url):
 
         def is_prompt():
@@ -352,7 +352,7 @@ def test_clients_hear_each_other_on_topics_of_their_own():
 
 @pytest.fixture(scope="module")
 def held():
-    """One session that waits to begin, for many tests."""
+    """Session that waits to begin, for many tests."""
     with served(hold=True) as session:
         yield session
 
@@ -424,7 +424,7 @@ def test_an_agent_that_steps_and_vanishes_leaves_a_run_that_stands():
 
 
 def test_our_agent_against_a_plain_rosbridge():
-    """Somebody else's simulation: no rosapi worth the name, no topics of ours, 10 Hz states."""
+    """Another simulation has no rosapi, no topics of Floorwalker, and states at 10 Hz."""
     heard = []
     with relay() as url, Client(url) as simulation:
         simulation.subscribe("/ariac_human/goal_position", type="geometry_msgs/Point")
@@ -452,7 +452,7 @@ async def run_agent(url):
 
 
 def act_as_the_simulation(client, heard):
-    """Start the person, let them arrive once, then let the gantry come, and come too close."""
+    """Start the person, report one arrival, then move the gantry nearer until it is too close."""
     for topic, type_ in (
         ("/ariac/start_human", "std_msgs/Bool"),
         ("/ariac_human/position_reached", "std_msgs/Bool"),
@@ -643,6 +643,23 @@ def test_a_clock_that_goes_back_is_reported_and_the_time_of_the_agent_goes_on():
         times.append(agent._now)
     assert times == [4.5, 5.0, 5.0, 6.0]
     assert notices == ["/clock goes back from 5 s to 2 s"]
+
+
+def test_a_recorded_person_and_people_with_programs_can_be_watched(tmp_path):
+    lines = "".join(f"7,{k},{2 + 0.1 * k},2\n" for k in range(60))
+    (tmp_path / "track.csv").write_text(f"id,frame,x,y\n{lines}")
+    recorded = "recorded: {file: track.csv, frame_rate: 10}"
+    text = HALL.replace("at: [2, 9], personality: external", recorded)
+    a_trial = sim.Trial.parse(
+        text.replace("external}\nmachines", "helpful}\nmachines"), folder=tmp_path
+    )
+    with served(a_trial, hold=True) as session, Client(session.url) as client:
+        client.publish("/ariac_human/stop", data=True)
+        assert "personality external" in client.error()["msg"]
+        client.subscribe("/people_poses", "/ann/odom")
+        client.call("/ariac/start_competition")
+        assert len(client.message("/people_poses")["poses"]) == 2
+        assert client.message("/ann/odom")["pose"]["pose"]["position"]["x"] >= 2.0
 
 
 def test_two_publishers_of_one_topic_are_reported_once():

@@ -1,4 +1,4 @@
-"""Who may take part in a bridge, and how much is held for them."""
+"""Accepted clients of a bridge, and the bytes held for them."""
 
 import itertools
 import json
@@ -65,7 +65,7 @@ def test_pages_from_elsewhere_are_not_let_in():
 
 
 def test_a_page_behind_a_name_of_its_own_is_not_let_in():
-    """A name may come to lead here once its page is loaded; a number leads to no other page."""
+    """A name may resolve to this machine after its page is loaded, unlike an IP address."""
     with relay() as url:
         for host, origin, status in (
             (b"evil.example:9090", b"http://evil.example:9090", b"403"),
@@ -98,7 +98,7 @@ def publisher(client, topic="/talk"):
 
 
 def why_closed(client):
-    """Why a client was let go, once it is."""
+    """Wait until a client is disconnected, and return the reason."""
     with pytest.raises(ConnectionClosed) as closed:
         while True:
             client.socket.recv(HANG)
@@ -168,7 +168,7 @@ ATTACKS = {
     "one long frame": (b"\x81\xff" + (3_000_000).to_bytes(8, "big") + MASK, b"x" * 1000),
     "pings": (b"", b"\x89\xfd" + MASK + b"x" * 125),
 }
-"""Bytes that begin something (RFC 6455, 5.2), and those that go on with it for ever."""
+"""Bytes that begin a frame or message (RFC 6455, 5.2), and bytes that continue it forever."""
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
@@ -206,7 +206,7 @@ def test_a_message_that_grows_when_it_is_completed_is_not_passed_on():
 
 
 def test_nothing_counts_any_more_once_it_is_gone():
-    """Whatever clients do and take back, the count comes down to nothing."""
+    """The count returns to zero when clients undo everything."""
     chances = random.Random(5)
     ledger = Ledger()
     topics = ["/a", "/b", "/c"]
@@ -251,7 +251,7 @@ def test_nothing_counts_any_more_once_it_is_gone():
 # ── sockets ──
 
 FEW = 80
-"""Files that a process may have open."""
+"""Number of files that a process may open."""
 
 
 def test_connections_that_say_nothing_are_bounded(monkeypatch):

@@ -1,4 +1,4 @@
-"""Whatever a client does, nobody else is disturbed, memory is bounded, and the recording whole."""
+"""Faulty clients disturb no others, use bounded memory, and leave the recording complete."""
 
 import json
 import random
@@ -22,7 +22,7 @@ SOUND = ("/clock", "/ariac_human/state", "/tf", "/joint_states")
 
 @pytest.fixture(scope="module")
 def busy(tmp_path_factory):
-    """One session that goes on while others misbehave, and the folder it is recorded in."""
+    """Session for clients that misbehave, and the folder of its recording."""
     folder = tmp_path_factory.mktemp("recording") / "run"
     recording = sim.Recording(folder)
     a_trial = trial("indifferent", duration=1e6)
@@ -35,7 +35,7 @@ def busy(tmp_path_factory):
 
 
 def require_undisturbed(session):
-    """Somebody who does nothing wrong hears every tick."""
+    """Require that another client gets every tick."""
     with Client(session.url) as client:
         client.subscribe("/clock")
         stamps = [client.message("/clock")["clock"] for _ in range(20)]
@@ -128,7 +128,7 @@ gantry: {controller: external}
 
 
 def random_message(chances):
-    """A sound message, one with oddities in the place of its values, or nothing but bytes."""
+    """Return a valid message, one with odd values, or random bytes."""
     if chances.random() < 0.1:
         return chances.randbytes(chances.randint(0, 200))
     text = chances.choice(SAMPLES.read_text().splitlines())
@@ -138,7 +138,7 @@ def random_message(chances):
 
 
 def fuzz(url, seed, over):
-    """Connect, say all sorts of things, and go, in all sorts of ways, until it is over."""
+    """Connect, send random messages and disconnect in different ways, until it is over."""
     chances = random.Random(seed)
     while not over.is_set():
         try:
@@ -188,7 +188,7 @@ def test_nonsense_from_several_clients_disturbs_nobody(tmp_path):
 
 
 def resident(pid):
-    """The memory of a process, bytes."""
+    """Return the memory of a process in bytes."""
     status = Path(f"/proc/{pid}/status")
     if not status.exists():
         return 0

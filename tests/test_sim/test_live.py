@@ -1,4 +1,4 @@
-"""A run in the browser while it goes on, and the server behind it."""
+"""A live run in the browser, and its server."""
 
 import http.client
 import json
@@ -20,7 +20,7 @@ from sim.live.page_server import MessageStream, PageServer
 
 
 def get(server, path="/", method="GET", body=None, **headers):
-    """The response to a request for what is at that path below the server's address."""
+    """Return the response to a request for a path below the address of the server."""
     place = urllib.parse.urlsplit(server.url)
     connection = http.client.HTTPConnection(place.hostname, place.port, timeout=HANG)
     connection.request(method, place.path + path[1:], body, headers)
@@ -28,7 +28,7 @@ def get(server, path="/", method="GET", body=None, **headers):
 
 
 def post(server, wish, **headers):
-    """The status and the answer to a wish of the page."""
+    """Return the status and the answer to a request of the page."""
     headers = {"Content-Type": "application/json", **headers}
     response = get(server, "/control", "POST", json.dumps(wish).encode(), **headers)
     text = response.read()
@@ -36,7 +36,7 @@ def post(server, wish, **headers):
 
 
 def messages(response):
-    """The data of the server-sent events in a response, with the kind of each."""
+    """Return data and kind of the server-sent events in a response."""
     for block in response.read().decode().split("\n\n"):
         fields = dict(line.split(": ", 1) for line in block.splitlines() if ": " in line)
         if "data" in fields:
@@ -146,7 +146,7 @@ agvs: {agv2: [{time: 3.0, to: assembly_back}]}
 
 
 def watched(trial, speed, meanwhile=lambda server: None):
-    """The run of a trial that is watched, and what came over the stream."""
+    """Return the run of a trial that is watched, and the messages of the stream."""
     live = sim.LiveRun(trial.duration, speed=speed)
     with live.server as server:
         simulation = sim.Simulation(trial, live)
@@ -201,7 +201,7 @@ def test_a_speed_that_makes_no_sense_is_refused(speed):
 
 
 def everything(folder):
-    """The files of a recording, without what differs from run to run."""
+    """Return the files of a recording without values that differ between runs."""
     files = {path.name: path.read_bytes() for path in folder.iterdir()}
     summary = json.loads(files.pop("summary.json"))
     return files | {"summary": {k: v for k, v in summary.items() if k not in TIMING}}
@@ -211,7 +211,7 @@ TIMING = ("cpu_seconds", "realtime_factor")
 
 
 def controlled(trial, recording, live, script):
-    """The run of a trial in which a `script` has control of the page's server meanwhile."""
+    """Return the run of a trial that a `script` controls through the page server."""
     with live.server as server:
         simulation = sim.Simulation(trial, recording, live)
 
@@ -381,7 +381,7 @@ def test_the_page_interferes_with_the_run(open_address):
         running.start()
 
         def wait_until(holds):
-            """Let the run go on while it does not hold."""
+            """Advance the run while the condition does not hold."""
 
             def holds_by_now():
                 hand.move(0.02)

@@ -1,4 +1,4 @@
-"""Rosbridge clients as they come, unmodified, over a real socket: roslibpy and roslibjs."""
+"""Unmodified rosbridge clients over a real socket: roslibpy and roslibjs."""
 
 import json
 import shutil
@@ -13,7 +13,7 @@ from waiting import HANG, until
 
 CLIENTS = Path(__file__).parent / "bridge_clients"
 LATE = 1 / 64
-"""Seconds of real time after which a client acts on what it hears."""
+"""Seconds of real time after which a client acts on a message."""
 
 ROUND = ["station4", "station2", "station1"]
 
@@ -30,7 +30,7 @@ def outcome(command, folder=None):
 
 
 def let_drive(command_for, speed, folder=None, duration=275.0):
-    """Let a client drive the person of a trial; what it heard, and the run."""
+    """Let a client drive the person of a trial. Return its messages and the run."""
     with served(trial(duration=duration), speed=speed, by_hand=True) as session:
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         client = subprocess.Popen(command_for(session.url), cwd=folder, **pipes)
@@ -67,7 +67,7 @@ def test_roslibpy_drives_the_person_at_fifty_times_the_speed():
 
 @pytest.mark.slow
 def test_roslibpy_is_never_late_at_speed_0():
-    """It acts at the instant at which it hears of something: the same run every time."""
+    """It acts at the time of each message, so that every run is the same."""
     runs = [
         let_drive(lambda url: python("agent_roslibpy.py", url), 0.0, duration=40.0)[1]
         for _ in range(2)
@@ -94,7 +94,7 @@ def test_our_agent_drives_a_person_of_roslibpys(tmp_path):
 
 @pytest.fixture(scope="module")
 def roslibjs(tmp_path_factory):
-    """A folder in which roslibjs is installed."""
+    """Folder with roslibjs."""
     if not (shutil.which("node") and shutil.which("npm")):
         pytest.skip("node and npm are not on the path")
     folder = tmp_path_factory.mktemp("roslibjs")
