@@ -554,8 +554,6 @@ class Simulation(InProgress):
         other.advance(self.clock.now)
         changes: dict[str, Any] = rounded(difference(self.trial, summary, other.finish().summary))
         return changes
-        )
-        return differences
 
     def _busy(self) -> str:
         """Return the events recorded in this moment, in words, the most frequent first."""

@@ -1,4 +1,4 @@
-"""Simulated time: a SimPy environment with exact times and alarms, and its pace in real time."""
+"""Simulated time: a SimPy environment with exact times and alarms."""
 
 from __future__ import annotations
 

@@ -64,4 +64,9 @@ class PolicyDriven(TaskedMachine):
             Time of the next tick in seconds.
         radius : float
             Distance in metres from a goal within which a target is the goal.
+
+        Yields
+        ------
+        Event
+            End of the step of a task, if the action carries out one.
         """

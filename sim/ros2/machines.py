@@ -64,10 +64,14 @@ class VehicleTopics:
             self._ros.warn(self._commands, "several publishers, the last message counts")
         wanted = PLAIN if {one.topic_type for one in publishers} == {PLAIN} else STAMPED
         type_, subscription = self._listening
-        if wanted != type_:
-            if subscription is not None:
-                self._ros.node.destroy_subscription(subscription)
+        if wanted == type_:
+            return
+        if subscription is None:
             self._listening = (wanted, self._ros.subscribe(self._commands, wanted, self._take))
+        else:
+            # The executor releases the old subscription before the next call.
+            self._ros.node.destroy_subscription(subscription)
+            self._listening = ("", None)
 
     def _take(self, message: Any) -> None:
         twist = getattr(message, "twist", message)
