@@ -65,13 +65,13 @@ EVENT_KINDS: dict[str, type[EventKind]] = {}
 
 
 class _Forms:
-    """The forms of a kind's fields, found out when they are asked for the first time."""
+    """Forms of the fields of a kind, computed at their first use."""
 
     def __get__(self, _: object, kind: type[EventKind]) -> Mapping[str, Form]:
         hints = get_type_hints(kind, include_extras=True)
-        found = {name: _form(hints[here], kind.kind, name) for name, here in kind._here.items()}
-        kind.forms = found
-        return found
+        forms = {name: _form(hints[here], kind.kind, name) for name, here in kind._here.items()}
+        kind.forms = forms
+        return forms
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
@@ -239,10 +239,10 @@ _PLAIN: dict[Any, Form] = {
 
 
 def _form(hint: Any, kind: str, name: str) -> Form:
-    """Return what a field of that annotation holds."""
+    """Return the form of a field with this annotation."""
     if get_origin(hint) in (Union, UnionType):
-        given = [one for one in get_args(hint) if one is not NoneType]
-        hint = given[0] if len(given) == 1 else hint
+        members = [one for one in get_args(hint) if one is not NoneType]
+        hint = members[0] if len(members) == 1 else hint
     if get_origin(hint) is Annotated and hint.__metadata__[0] in get_args(Named):
         named: Named = hint.__metadata__[0]
         return named
