@@ -45,8 +45,8 @@ def _nothing_stays():
 @pytest.mark.parametrize("regular", [(True, True), (False, False), (True, False), (False, True)])
 def test_packages_of_one_name_beside_two_trials(package, regular):
     ca, cb = (package(name, regular=one) for name, one in zip(("ca", "cb"), regular, strict=True))
-    found = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
-    assert found == ["ca", "cb", "ca", "cb"]
+    words = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
+    assert words == ["ca", "cb", "ca", "cb"]
     assert controller_source("pk.ctl:go", CodeFolder(cb)).file == cb / "pk" / "ctl.py"
 
 
@@ -193,9 +193,9 @@ def test_a_source_that_cannot_be_read_is_reported(tmp_path, source, message):
     if not message:  # Python warns of the escape at import
         assert controller_source("m:go", CodeFolder(tmp_path)).line == 2
         return
-    with pytest.raises(sim.ControllerError, match=message) as told:
+    with pytest.raises(sim.ControllerError, match=message) as caught:
         controller_source("m:go", CodeFolder(tmp_path))
-    assert len(str(told.value)) < 1000
+    assert len(str(caught.value)) < 1000
 
 
 @pytest.mark.parametrize("name", ["sys", "wave"])
