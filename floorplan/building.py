@@ -208,4 +208,4 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
 def _lanes(agvs: Any) -> list[Lane]:
     shared = agvs.model_dump(exclude={"lanes"})
     lanes = {name: shared | own.model_dump(exclude_none=True) for name, own in agvs.lanes.items()}
-    return [TypeAdapter(Lane).validate_python(keys) for keys in called(lanes).values()]
+    return [*map(TypeAdapter(Lane).validate_python, called(lanes).values())]

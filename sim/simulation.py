@@ -444,10 +444,10 @@ class Simulation(InProgress):
         if command.time is not None and rounded(command.at) < rounded(now):
             raise UserError(f"a command for t = {command.time:g} s comes too late")
         command = replace(command, time=now if command.time is None else max(now, command.at))
-        given = sorted([*self.commands, command], key=lambda one: one.at)
-        commanded = replace(self.trial, commands=tuple(given))
+        commands = sorted([*self.commands, command], key=lambda one: one.at)
+        commanded = replace(self.trial, commands=tuple(commands))
         refuse("the command", command_faults(commanded), TrialError)
-        self.commands[:] = given
+        self.commands[:] = commands
         self._commander.give(command)
 
     def _call_from_outside(
@@ -552,8 +552,8 @@ class Simulation(InProgress):
         except InputError as why:
             raise counterfactual_error(why) from why
         other.advance(self.clock.now)
-        found: dict[str, Any] = rounded(difference(self.trial, summary, other.finish().summary))
-        return found
+        changes: dict[str, Any] = rounded(difference(self.trial, summary, other.finish().summary))
+        return changes
 
     def _busy(self) -> str:
         """Return the events recorded in this moment, in words, the most frequent first."""

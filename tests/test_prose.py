@@ -12,14 +12,12 @@ LIMITS = (2.0, 0.5, 1.5)
 """Limits of all rooms, in the order of `MEASURES`."""
 
 HIGHER = {
-    "floorplan": (4.9, 0.5, 1.5),
-    "floorplan/files": (6.9, 1.9, 2.1),
-    "floorplan/formats": (14.5, 1.4, 2.7),
+    "floorplan/files": (2.0, 0.6, 1.5),
     "sim": (2.0, 0.5, 1.8),
-    "sim/core": (2.0, 0.5, 1.9),
+    "sim/cell": (2.0, 0.5, 1.6),
     "sim/machines/amr": (2.0, 0.7, 1.5),
+    "sim/ros2": (2.0, 1.9, 5.5),
     "sim/safety": (2.0, 1.5, 1.5),
-    "sim/trials": (9.4, 1.3, 11.1),
 }
 """Limits of rooms that exceed them."""
 

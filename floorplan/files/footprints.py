@@ -98,9 +98,14 @@ Area = Annotated[
 """Area of a zone (metres)."""
 
 
+def _one_key(key: str, kind: Any) -> type:
+    """Return a form with one key."""
+    return make_dataclass("OneKey", [(key, kind)], namespace={"__pydantic_config__": KEYS})
+
+
 def _of_pair(key: str, kind: Any, names: tuple[str, str]) -> tuple[Composed, Composed]:
     """Return the annotations of two fields that are given together by a `key`."""
-    form = make_dataclass("PairKeys", [(key, kind)], namespace={"__pydantic_config__": KEYS})
+    form = _one_key(key, kind)
 
     def written(owner: Any) -> Data:
         return {key: plain([getattr(owner, name) for name in names])}
@@ -148,22 +153,7 @@ class ArmEnvelope:
     bottom: Positive
 
 
-@dataclass(frozen=True, kw_only=True)
-class TorsoKeys:
-    """Key of the torso in a file."""
-
-    __pydantic_config__ = KEYS
-
-    torso: TorsoBox
-
-
-@dataclass(frozen=True, kw_only=True)
-class ArmKeys:
-    """Key of the arm in a file."""
-
-    __pydantic_config__ = KEYS
-
-    arm: ArmEnvelope
+_TORSO, _ARM = _one_key("torso", TorsoBox), _one_key("arm", ArmEnvelope)
 
 
 def _torso_keys(gantry: Any) -> Data:
@@ -179,20 +169,20 @@ def _arm_keys(gantry: Any) -> Data:
 Torso = Annotated[
     tuple[float, float, float, float],
     Field(alias="\0torso"),
-    Composed(TorsoKeys, lambda keys: (*keys.torso.size, *keys.torso.z), _torso_keys),
+    Composed(_TORSO, lambda keys: (*keys.torso.size, *keys.torso.z), _torso_keys),
 ]
 ArmMount = Annotated[
     tuple[float, float],
     Field(alias="\0arm_mount"),
-    Composed(ArmKeys, lambda keys: keys.arm.mount, _arm_keys),
+    Composed(_ARM, lambda keys: keys.arm.mount, _arm_keys),
 ]
 ArmReach = Annotated[
     Positive,
     Field(alias="\0arm_reach"),
-    Composed(ArmKeys, lambda keys: keys.arm.reach, _arm_keys),
+    Composed(_ARM, lambda keys: keys.arm.reach, _arm_keys),
 ]
 ArmBottom = Annotated[
     Positive,
     Field(alias="\0arm_bottom"),
-    Composed(ArmKeys, lambda keys: keys.arm.bottom, _arm_keys),
+    Composed(_ARM, lambda keys: keys.arm.bottom, _arm_keys),
 ]

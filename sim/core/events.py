@@ -65,13 +65,13 @@ EVENT_KINDS: dict[str, type[EventKind]] = {}
 
 
 class _Forms:
-    """The forms of a kind's fields, found out when they are asked for the first time."""
+    """Forms of the fields of a kind, computed at their first use."""
 
     def __get__(self, _: object, kind: type[EventKind]) -> Mapping[str, Form]:
         hints = get_type_hints(kind, include_extras=True)
-        found = {name: _form(hints[here], kind.kind, name) for name, here in kind._here.items()}
-        kind.forms = found
-        return found
+        forms = {name: _form(hints[here], kind.kind, name) for name, here in kind._here.items()}
+        kind.forms = forms
+        return forms
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
@@ -213,7 +213,7 @@ class EventKind:
 
 
 def has_form(value: object, form: Form) -> bool:
-    """Return whether a field holds what it should, as recorded; names and numbers may be None."""
+    """Return whether a recorded field has a value of its type. Names and numbers may be None."""
     if form == "point":
         return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
     if form == "number":
@@ -239,10 +239,10 @@ _PLAIN: dict[Any, Form] = {
 
 
 def _form(hint: Any, kind: str, name: str) -> Form:
-    """Return what a field of that annotation holds."""
+    """Return the form of a field with this annotation."""
     if get_origin(hint) in (Union, UnionType):
-        given = [one for one in get_args(hint) if one is not NoneType]
-        hint = given[0] if len(given) == 1 else hint
+        members = [one for one in get_args(hint) if one is not NoneType]
+        hint = members[0] if len(members) == 1 else hint
     if get_origin(hint) is Annotated and hint.__metadata__[0] in get_args(Named):
         named: Named = hint.__metadata__[0]
         return named
@@ -494,7 +494,7 @@ class MachineProceeds(EventKind):
 
 
 class MachineEvades(EventKind):
-    """A machine takes another path, or moves aside `to` a passing place, to let another pass."""
+    """A machine takes another path, or moves aside to a passing place, so that another can pass."""
 
     machine: _Machine
     for_machine: _Machine

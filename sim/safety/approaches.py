@@ -72,7 +72,7 @@ def approaches(beside: Encountered, violations: Sequence[Span]) -> Iterator[Appr
 
 def _towards(walk: Motion, machine: Motion, begin: float, end: float) -> Iterator[Span]:
     """Yield the intervals in which the machine's own motion brings it nearer to the person."""
-    found: list[Span] = []
+    spans: list[Span] = []
     for since, until in itertools.pairwise(_cuts(walk, machine, begin, end)):
         person, moving = (motion.cubics(np.array([since]))[0, :2] for motion in (walk, machine))
         velocity = moving[:, 1:] * np.array([1.0, 2.0, 3.0])
@@ -81,8 +81,8 @@ def _towards(walk: Motion, machine: Motion, begin: float, end: float) -> Iterato
         apart = person - moving
         # The speed of the approach times the distance is a polynomial of degree 5.
         closing = np.sum([np.convolve(v, r) for v, r in zip(velocity, apart, strict=True)], axis=0)
-        found += [(since + a, since + b) for a, b in _positive(closing, until - since)]
-    for since, until in _joined(found):
+        spans += [(since + a, since + b) for a, b in _positive(closing, until - since)]
+    for since, until in _joined(spans):
         if _gained(walk, machine, since, until) > LEAST:
             yield since, until
 
@@ -93,7 +93,7 @@ def _surface_towards(
     """Yield the intervals in which the machine's own motion brings its surface nearer.
 
     The rate is no polynomial. It is sampled so densely that no point of the machine covers `LEAST`
-    between two instants, so that every approach that counts has one; its ends are then bisected.
+    between two instants, so that every approach that counts has one. Its ends are then bisected.
     """
 
     def approach(t: Floats) -> Floats:
@@ -103,12 +103,12 @@ def _surface_towards(
     pace = _fastest(machine, shapes.reach, cuts[:-1], cuts[1:])
     pieces = np.column_stack([cuts[:-1], cuts[1:], np.ceil(np.diff(cuts) * pace / LEAST)])
     pieces = pieces[pace > 0.0]
-    found = [
+    spans = [
         span
         for k in range(0, len(pieces), BATCH)
         for span in _sampled_spans(approach, *pieces[k : k + BATCH].T)
     ]
-    for since, until in _joined(found):
+    for since, until in _joined(spans):
         t = since + (until - since) * (np.arange(PARTS) + 0.5) / PARTS
         if float(approach(t).mean() * (until - since)) > LEAST:
             yield since, until
@@ -176,13 +176,13 @@ def _positive(polynomial: Floats, duration: float) -> Iterator[Span]:
 
 def _joined(spans: Sequence[Span]) -> list[Span]:
     """Return the sorted spans, joined where they meet."""
-    found: list[Span] = []
+    joined: list[Span] = []
     for since, until in spans:
-        if found and since - found[-1][1] <= ROUNDING:
-            found[-1] = (found[-1][0], until)
+        if joined and since - joined[-1][1] <= ROUNDING:
+            joined[-1] = (joined[-1][0], until)
         else:
-            found.append((since, until))
-    return found
+            joined.append((since, until))
+    return joined
 
 
 def _gained(walk: Motion, machine: Motion, begin: float, end: float) -> float:

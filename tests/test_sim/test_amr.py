@@ -1,4 +1,4 @@
-"""Vehicles that drive freely in trials: missions, controllers, twists, and what can't be."""
+"""Vehicles that drive freely in trials: missions, controllers, twists and invalid keys."""
 
 import math
 import textwrap
@@ -35,7 +35,7 @@ def long_vehicle(more, *, duration=60.0, people="[]", folder="."):
 
 
 def problems(text):
-    """The problems of the trial in a text, with their fields."""
+    """Return the problems of the trial in a text, with their fields."""
     with pytest.raises(InputError) as why:
         sim.Trial.parse(text)
     return [(problem.field, problem.message) for problem in why.value.problems]
@@ -185,7 +185,7 @@ def test_a_function_returns_a_twist_at_a_fixed_rate(beside):
     """
     run = sim.run(sim.Trial.parse(textwrap.dedent(text), folder=beside))
     motion = run.motions["turtle"]
-    # Once it is in full motion it drives on a circle of v / ω.
+    # At full speed the vehicle drives on a circle of radius v / ω.
     t = np.linspace(5.0, 29.0, 2000)
     rotation, at = motion.rotation(t), motion.position(t)
     centres = at + np.column_stack([-np.sin(rotation), np.cos(rotation)])
@@ -336,6 +336,6 @@ def test_speed_limits_of_zones_apply_while_the_footprint_covers_them(to):
         assert max(map(abs, pull)) <= 0.7 + 1e-6 and abs(6 * piece.x[3]) <= 3 + 1e-6
 
 
-def test_a_zone_that_concerns_others_does_not_slow_a_vehicle():
+def test_a_zone_for_other_machines_does_not_slow_a_vehicle():
     run = sim.run(sim.Trial.parse(SLOW.format(whom=", concerns: [ann]", to="[28, 4]")))
     assert events(run, "job_done")[0]["t"] < 22

@@ -1,4 +1,4 @@
-"""Approaches by hand: when the own motion of a machine brings it nearer to a person."""
+"""Approaches computed by hand: time spans in which a machine's own motion reduces the distance."""
 
 import math
 
@@ -21,7 +21,7 @@ LONG = Shapes(
 
 
 def motion(*pieces):
-    """A motion of pieces: seconds, and the cubics of x, y and the rotation."""
+    """Return a motion of pieces: seconds, and the cubics of x, y and the rotation."""
     found, t = [], 0.0
     for seconds, *cubics in pieces:
         x, y, rotation = [*cubics, *[STILL] * (3 - len(cubics))]
@@ -31,13 +31,13 @@ def motion(*pieces):
 
 
 def found(machine, spans, *, person=(0.0, 0.0), shapes=None, law=LAW):
-    """The approaches of a machine to a person during violations."""
+    """Return the approaches of a machine to a person during violations."""
     walk = person if isinstance(person, Motion) else standing(person)
     return [*approaches(Encountered("ann", "cart", law, walk, machine, shapes, spans, []), spans)]
 
 
 def at(x, y=0.0, rotation=0.0):
-    """Where a machine stands for two seconds."""
+    """Return a piece in which a machine rests for two seconds."""
     return (2.0, (x, 0.0, 0.0, 0.0), (y, 0.0, 0.0, 0.0), (rotation, 0.0, 0.0, 0.0))
 
 
@@ -46,7 +46,7 @@ BOTH = pytest.mark.parametrize("shapes", [None, ROUND])
 
 @BOTH
 def test_an_approach_lasts_as_long_as_the_machine_drives_at_the_person(shapes):
-    # It stands at 3 m, comes to 1 m from rest to rest, and drives off.
+    # The machine rests at 3 m, drives to 1 m from rest to rest, and drives off.
     there = (4.0, (3.0, 0.0, -2 * 3 / 16, 2 * 2 / 64))
     away = (4.0, (1.0, 0.0, 2 * 3 / 16, -2 * 2 / 64))
     machine = motion(at(3.0), there, away)
@@ -54,7 +54,7 @@ def test_an_approach_lasts_as_long_as_the_machine_drives_at_the_person(shapes):
     assert (one.person, one.machine) == ("ann", "cart")
     if shapes is None:
         assert (one.begin, one.end) == pytest.approx((2.0, 6.0), abs=1e-6)
-    else:  # the first and the last micrometres of a second are no approach between surfaces
+    else:  # between surfaces, the first and last micrometres are no approach
         assert (one.begin, one.end) == pytest.approx((2.0, 6.0), abs=1e-4)
     assert one.margin == pytest.approx(1.0 - 4.0 - (0.8 if shapes else 0.0), abs=1e-6)
     assert one.time == pytest.approx(6.0, abs=1e-2)
@@ -62,7 +62,7 @@ def test_an_approach_lasts_as_long_as_the_machine_drives_at_the_person(shapes):
 
 @BOTH
 def test_an_approach_may_begin_and_end_within_a_piece(shapes):
-    # x' = -1 + (u - 2)² within one piece of 5 s: it comes nearer from 1 to 3 s.
+    # x' = -1 + (u - 2)² within one piece of 5 s: the distance decreases from 1 to 3 s.
     piece = (5.0, (2.5, 3.0, -2.0, 1 / 3))
     machine = motion(at(2.5), piece)
     spans = [(0.0, 7.0)]
@@ -85,7 +85,7 @@ def test_a_machine_that_passes_approaches_until_it_is_beside_the_person(shapes):
 
 
 @BOTH
-def test_what_goes_on_from_the_begin_of_the_violation_is_no_approach(shapes):
+def test_closing_that_lasts_since_the_begin_of_the_violation_is_no_approach(shapes):
     there = (4.0, (3.0, -0.25, 0.0, 0.0))
     machine = motion(at(3.0), there, at(2.0), (1.0, (2.0, -0.4, 0.0, 0.0)))
     spans = [(2.0, 9.0)]
@@ -115,7 +115,7 @@ def test_each_violation_has_its_own_approaches(shapes):
 )
 @pytest.mark.parametrize("seconds", [0.004, 0.5, 4.0])
 @BOTH
-def test_a_machine_that_comes_no_nearer_than_a_millimetre_does_not_approach(
+def test_a_machine_that_comes_less_than_a_millimetre_nearer_does_not_approach(
     metres, count, seconds, shapes
 ):
     there = (seconds, (3.0, -metres / seconds, 0.0, 0.0))
@@ -146,7 +146,7 @@ def test_approaches_that_follow_each_other_at_once_are_one(shapes):
 
 
 def test_a_turn_on_the_spot_approaches_between_surfaces_only():
-    # The long side turns from across the person to along: the near end comes nearer.
+    # The long side turns towards the person, so its near end approaches.
     turn = (2.0, (1.6, 0.0, 0.0, 0.0), STILL, (math.pi / 2, 0.0, -3 * math.pi / 8, math.pi / 8))
     machine = motion(at(1.6, rotation=math.pi / 2), turn)
     assert found(machine, [(0.0, 4.0)]) == []

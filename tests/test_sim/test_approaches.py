@@ -1,4 +1,4 @@
-"""Approaches of machines during violations: against dense sampling, and what they count."""
+"""Approaches of machines during violations: their counts, and durations against dense sampling."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def run_of(jobs, seed=0, personality="indifferent", rules=RULES):
 
 
 def sampled(run, step=1e-3):
-    """The seconds in which machines move towards people during violations, as sampled."""
+    """Return the sampled time (s) in which machines move towards people during violations."""
     seconds = 0.0
     for (person, machine), spans in run.violations.items():
         dx, dy = run.scene.rules.measured_at(run.scene.machine(machine))
@@ -40,7 +40,7 @@ def sampled(run, step=1e-3):
             moving = run.motions[machine]
             apart = run.motions[person].position(t) - moving.position(t) - [dx, dy]
             closing = (moving.velocity(t) * apart).sum(axis=1) > 0.0
-            # What goes on from the begin of a violation caused it.
+            # An approach that lasts since the begin of a violation is its cause.
             after = np.cumsum(~closing) > 0
             seconds += step * float((closing & after).sum())
     return seconds
@@ -70,7 +70,7 @@ def test_a_machine_that_sets_out_towards_a_person_already_too_near_is_counted():
 
 
 def test_a_violation_that_the_machine_begins_is_no_approach():
-    # The person stands; the machine comes, and stops within the required distance.
+    # The machine drives up to a standing person, and stops within the required distance.
     text = TRIAL.format(
         jobs="[{wait: 30}, {move: [-5.0, 2.5, 0]}, {wait: 60}]",
         seed=0,

@@ -1,4 +1,4 @@
-"""Points for orders and places of parts, against the tables of the competition written out."""
+"""Points for orders and places of parts, against the tables of the competition."""
 
 import math
 
@@ -14,14 +14,14 @@ from sim.orders.workload import AssemblyTask, CombinedTask, Item, KittingTask, L
 COLORS = ("blue", "green", "orange", "purple", "red")
 TYPES = ("battery", "pump", "regulator", "sensor")
 
-# (type, colour, flipped, faulty) to points, as the page has them; ~B or E gives none.
+# (type, colour, flipped, faulty) to points, as in the rules. Other combinations score none.
 QUADRANT = {
     (True, True, False, False): 3,
     (True, False, False, False): 2,
     (True, True, True, False): 2,
     (True, False, True, False): 1,
 }
-# (colour, pose) of a part that is assembled to points.
+# (colour, pose) of an assembled part to points.
 ASSEMBLY = {(True, True): 3, (True, False): 2, (False, True): 2, (False, False): 1}
 COMBINED = {(True, True): 5, (True, False): 4, (False, True): 4, (False, False): 3}
 
@@ -86,7 +86,7 @@ def test_the_best_score_is_that_of_a_faultless_order(kit, asked):
 
 
 def test_positions_equal_those_of_the_competition():
-    """Against coordinates in the competition's world frame, worked out by hand."""
+    """The coordinates in the competition's world frame are computed by hand."""
     plan = floorplan.load("ariac2023")
 
     def world(obstacle, offset):

@@ -1,4 +1,4 @@
-"""Rules between surfaces: everything that uses the law, against sampled footprints."""
+"""Rules between surfaces: every use of the law, against sampled footprints."""
 
 import json
 from functools import cache
@@ -67,14 +67,14 @@ def run_of(seed, law="fixed", controller="oblivious", machine="none"):
 
 
 def surfaces(run, machine, pose):
-    """The area of a machine at a pose, with the circle of its arm."""
+    """Return the area of a machine at a pose, with the circle of its arm."""
     shape = run.scene.machine(machine)
     area = shape.footprint(pose[:2], pose[2])
     return area.union(shapely.Point(pose[:2]).buffer(shape.reach, 256)) if shape.reach else area
 
 
 def sampled(run, person, machine, t):
-    """Distances between surfaces (m), speeds of the axis and of the farthest corner (m/s)."""
+    """Return distances between surfaces (m), speeds of the axis and the farthest corner (m/s)."""
     motion, shape = run.motions[machine], run.scene.machine(machine)
     radius = next(one.radius for one in run.scene.people if one.name == person)
     poses = np.column_stack([motion.position(t), motion.rotation(t)])
@@ -168,7 +168,8 @@ def test_the_duration_of_approaches_is_that_of_dense_sampling(seed):
                 for one in (t, t + 1e-5)
             )
             nearer = shapes.distances(places, now) - shapes.distances(places, later) > 1e-10
-            # What goes on from the begin of a violation caused it, be it slow at first.
+            # An approach that lasts since the begin of a violation is its cause, even if it is slow
+            # at first.
             after = np.cumsum(~nearer & (t > begin + 0.01)) > 0
             seconds += step * float((nearer & after).sum())
     assert run.summary["approaches"]["duration"] == pytest.approx(seconds, abs=0.05)
@@ -212,7 +213,7 @@ def test_a_vehicle_that_turns_on_the_spot_violates_the_law_with_its_corners():
     ((begin, end),) = run.violations["ann", "bar"]
     distance, _, _ = sampled(run, "ann", "bar", np.array([begin, end]))
     assert distance == pytest.approx([0.2, 0.2], abs=1e-6)
-    # Between centres nothing happens: the vehicle stands, as that counts speed.
+    # Between centres there is no violation, because the centre of the vehicle does not move.
     run = sim.run(sim.Trial.parse(TURN.format(between="centres")))
     assert not run.violations["ann", "bar"]
 

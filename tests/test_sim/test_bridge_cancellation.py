@@ -53,7 +53,7 @@ def test_a_wait_ends_with_its_time_and_leaves_no_task():
     gc.collect()
 
 
-def test_an_error_of_what_is_waited_for_is_raised():
+def test_an_error_of_the_awaited_event_is_raised():
     async def fail():
         raise OSError("gone")
 

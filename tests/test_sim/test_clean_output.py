@@ -1,4 +1,4 @@
-"""The stderr of every command holds its own notices only, also where it ends early."""
+"""The stderr of every command contains its own notices only, also if the command ends early."""
 
 import os
 import re
@@ -132,8 +132,8 @@ for call in sys.argv[1:]:
 
 
 @pytest.mark.slow
-def test_so_do_the_others_one_after_another(samples):
-    """In one process, since most of what a command takes is its start."""
+def test_other_commands_print_only_their_output_one_after_another(samples):
+    """In one process, because the start takes most of a command's time."""
     calls = {name: call for name, call in CALLS.items() if name not in (*ALONE, "study")}
     done = subprocess.run(
         [sys.executable, *STRICT, "-c", ONE_AFTER_ANOTHER, *calls.values()],
@@ -150,7 +150,7 @@ def test_so_do_the_others_one_after_another(samples):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words", FURTHER)
-def test_variants_say_nothing(words, samples):
+def test_variants_print_nothing(words, samples):
     done = in_a_process(*words.split(), cwd=samples, options=STRICT)
     assert (done.returncode, done.stderr.removeprefix(SOURCES)) == (0, "")
 
@@ -195,7 +195,7 @@ def stands(gantry):
 
 
 def test_ctrl_c_waits_for_imports(tmp_path):
-    """Compiled packages print tracebacks if it comes while they are imported."""
+    """Compiled packages print tracebacks if Ctrl-C interrupts their import."""
     (tmp_path / "heavy.py").write_text(STOPPED_WHILE_LOADED)
     (tmp_path / "heavy.trial.yaml").write_text(
         "floorplan: ariac2023\nduration: 1.0e+6\ngantry: {controller: 'heavy:stands'}\n"

@@ -1,4 +1,4 @@
-"""Completion on the command line, asked for as shells do."""
+"""Completion on the command line, requested as shells do."""
 
 import os
 import re
@@ -20,7 +20,7 @@ HEAVY = ("numpy", "shapely", "ompl", "fcl", "lark", "rich", "bdi", "floorplan")
 
 @pytest.fixture
 def asked(floorwalker, monkeypatch):
-    """Ask the command in this process, by the variables that a shell sets."""
+    """Return a function that requests completions in this process by the variables of a shell."""
 
     def asked(folder, **variables):
         with monkeypatch.context() as now:
@@ -44,7 +44,7 @@ def in_bash(asked, folder):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A folder as a user has one."""
+    """A typical folder of a user."""
     (tmp_path / "mine.trial.yaml").touch()
     (tmp_path / "mine.asl").touch()
     (tmp_path / "notes.txt").touch()
@@ -85,7 +85,7 @@ def test_values(line, offered, in_bash):
     assert in_bash(f"floorwalker {line}") == offered
 
 
-def test_files_are_left_to_the_shell_where_any_will_do(in_bash):
+def test_the_shell_completes_files_of_any_kind(in_bash):
     assert in_bash("floorwalker export runs/lunch --out m") == []
 
 
@@ -104,7 +104,7 @@ def test_the_script_for_bash_works_in_bash(asked, folder):
     assert (done.stdout, done.stderr) == ("paper\n", "")
 
 
-def test_zsh_and_fish_are_answered(asked, folder):
+def test_completion_works_in_zsh_and_fish(asked, folder):
     words = "floorwalker run --controller pau"
     zsh = asked(folder, _FLOORWALKER_COMPLETE="complete_zsh", _TYPER_COMPLETE_ARGS=words)
     assert re.fullmatch(r"""_arguments '\*: :\(\("?pausing"?\)\)'\n""", zsh)
@@ -131,7 +131,7 @@ def test_completion_offers_existing_names(in_bash, floorwalker):
     assert set(bdi.programs()) <= set(in_bash("floorwalker run --personality "))
 
 
-def test_nothing_heavy_is_loaded_for_it(folder):
+def test_completion_loads_no_heavy_packages(folder):
     code = (
         "import sys\n"
         "try:\n    from sim.cli import main; main()\n"

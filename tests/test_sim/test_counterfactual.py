@@ -1,4 +1,4 @@
-"""Counterfactuals: the same trial without machines or without people, with the same draws."""
+"""Counterfactuals: the same trial without machines or people, with the same random draws."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Figures of a run, and expectations: what is met, what not and since when, what makes no sense."""
+"""Figures of a run, and expectations: met, unmet with a time, or invalid."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -26,7 +26,7 @@ agvs: {agv1: [{time: 30.0, to: assembly_front}]}
 
 
 def verdict(run, text):
-    """The verdict on one expectation of a run that was made without any."""
+    """Return the verdict on one expectation of a run without expectations."""
     trial = sim.Trial.parse(TRIAL + "expect:\n" + text)
     (found,) = sim.Run(**{**vars_of(run), "trial": trial}).verdicts
     return found
@@ -82,7 +82,7 @@ def vars_of(run):
         "  timeline: [{whenever: agv_moved, then: {moving: agv1}, within: 0.1}]",
     ],
 )
-def test_what_is_met(run, text):
+def test_true_expectations_are_met(run, text):
     found = verdict(run, text)
     assert found.met, str(found)
 
@@ -151,7 +151,7 @@ def test_what_is_met(run, text):
         ),
     ],
 )
-def test_what_is_not_met_is_reported_with_its_time(run, text, said):
+def test_an_unmet_expectation_is_reported_with_its_time(run, text, said):
     found = verdict(run, text)
     assert not found.met
     assert said.format(violation=first(run, "violation")["t"]) in str(found)
@@ -263,14 +263,14 @@ expect:
         assert not sim.Run(**{**vars_of(run), "trial": wanted}).verdicts[0].met
 
 
-def test_what_would_have_followed_after_the_end_is_not_held_against_a_run(run):
+def test_reactions_due_after_the_end_of_a_run_are_not_required(run):
     late = max(event["t"] for event in events(run, "goal"))
     delay = 60.0 - late + 0.5
     text = f"  timeline: [{{whenever: goal, then: said, within: {delay}, after: {late - 0.001}}}]"
     assert verdict(run, text).met
 
 
-def test_a_person_of_several_is_called_by_name(run):
+def test_one_of_several_people_is_named(run):
     text = TRIAL.replace("people: [", "people: [{name: ada}, ")
     trial = sim.Trial.parse(text + "expect: {people.ada.visits: [station4]}\n")
     assert len(trial.expect) == 1
@@ -296,7 +296,7 @@ def test_every_figure_of_the_summary_can_be_expected(run):
 
 
 @given(st.floats(-100, 100), st.floats(0, 10), st.floats(-120, 120))
-def test_a_tolerance_is_what_it_says(middle, more, figure):
+def test_a_tolerance_includes_both_bounds(middle, more, figure):
     wanted = NumberCondition.parse(f"{middle!r} ± {more!r}")
     low, high = (Fraction(repr(middle)) + sign * Fraction(repr(more)) for sign in (-1, 1))
     assert wanted.passes(figure) == (float(low) <= figure <= float(high))
@@ -357,7 +357,7 @@ expect: {goals_set: "> 90", people.nina.waits: 0}
 
 @pytest.fixture
 def own_figures(monkeypatch):
-    """One of the whole run, one of each person."""
+    """Two custom figures: one of the whole run, one of each person."""
     goals = SummaryFigure(
         path="goals_set",
         of=lambda run: sum(len(motion.pieces) > 1 for motion in run.motions.values()),

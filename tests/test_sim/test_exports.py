@@ -1,4 +1,4 @@
-"""Exports, read back with other people's libraries, are the run."""
+"""Exports, read back with other libraries, equal the run."""
 
 import csv
 import json
@@ -40,20 +40,20 @@ ENDINGS = [".csv", ".parquet", ".mcap", ".sqlite", ""]
 
 
 def at(run, body, t):
-    """x, y, rotation, vx, vy of a body, from its motion alone."""
+    """Return x, y, rotation, vx, vy of a body, from its motion alone."""
     state = run.motions[body].state(t)
     return [*state.position, *state.velocity[:2]]
 
 
 def at_nanosecond(run, body, nanoseconds):
-    """The same, at an instant that may have been rounded to the other side of a jump."""
+    """Return the same at a time in nanoseconds, which rounding may move across a jump."""
     t = nanoseconds / 1e9
     near = [jump for jump in run.motions[body].jumps if round(jump * 1e9) == nanoseconds]
     return at(run, body, near[0] if near else t)
 
 
 def around_jumps(run):
-    """Instants just before and at each jump, with the body that is put elsewhere."""
+    """Return the times just before and at each jump, with the body that jumps."""
     jumps = [(jump, body) for body, motion in run.motions.items() for jump in motion.jumps]
     return [(t, body) for jump, body in sorted(jumps) for t in (jump - 1e-9, jump)]
 
@@ -140,7 +140,7 @@ def test_mcap_is_a_scene_that_moves_as_the_run(run, tmp_path):
 
 
 def test_no_viewer_draws_a_teleport_as_a_slide(run, tmp_path):
-    """Two poses a nanosecond apart, one on each side of a jump."""
+    """There are two poses a nanosecond apart, one on each side of a jump."""
     path = tmp_path / "run.mcap"
     sim.export(run, path, rate=2.0)
     (jump, *_) = sorted(run.motions["ada"].jumps)
@@ -191,7 +191,7 @@ def test_events_of_fields_and_traffic_name_all_bodies():
     ]
 
 
-def test_ways_lead_from_goal_to_goal_without_a_jump(run, tmp_path):
+def test_exported_paths_lead_from_goal_to_goal_without_a_jump(run, tmp_path):
     path = tmp_path / "run.mcap"
     sim.export(run, path, rate=1.0)
     goals = [e for e in run.events if e["kind"] == "goal" and e["person"] == "ada"]

@@ -1,4 +1,4 @@
-"""Reactions to occupied fields: response, restart, short intrusions, muting and gaps of sets."""
+"""Reactions to occupied fields: response, restart, short intrusions, muting and missing sets."""
 
 import textwrap
 from types import SimpleNamespace
@@ -19,7 +19,7 @@ RESPONSE, DELAY = 0.2, 2.0
 
 
 class Watched:
-    """A reaction, and when it begins and ends."""
+    """A reaction, with a log of its begins and ends."""
 
     def __init__(self, delay=DELAY, response=RESPONSE):
         self.clock = Clock()
@@ -147,7 +147,7 @@ human: {radius: 0.3}
 
 
 def run(fields, people="[]", floor="", more="", duration=40):
-    """The run of a vehicle on its way east, on y = 3, with fields."""
+    """Return the run of a vehicle that drives east on y = 3, with fields."""
     text = f"""
     duration: {duration}
     rules: observe
@@ -182,7 +182,7 @@ def test_a_short_intrusion_stops_the_machine_even_without_a_restart_delay(tmp_pa
     found = sim.run(sim.Trial.parse(on_floor(FLOOR, textwrap.dedent(text)), folder=tmp_path))
     (stop,), (ended,) = events(found, "field_stop"), events(found, "field_stop_ended")
     (occupied,), (free,) = events(found, "field_occupied"), events(found, "field_free")
-    assert free["t"] < stop["t"] + 1.0  # long before the machine stands
+    assert free["t"] < stop["t"] + 1.0  # long before the machine is at rest
     motion = found.motions["fork"]
     braking = navigation.vehicle_stop(
         motion.state(stop["t"]), stop["t"], limits=navigation.VehicleLimits(speed=1.0)
@@ -197,7 +197,7 @@ def test_a_short_intrusion_stops_the_machine_even_without_a_restart_delay(tmp_pa
 
 
 def walked():
-    """A person who runs through the field of the machine in little more than half a second."""
+    """Return a person who runs through the field of the machine in about half a second."""
     yield "name,t,x,y\n"
     for k in range(0, 401):
         t = k / 10
@@ -205,7 +205,7 @@ def walked():
         yield f"eve,{t},13.0,{y}\n"
 
 
-def test_while_the_fields_are_muted_no_set_need_apply():
+def test_no_set_is_required_while_the_fields_are_muted():
     sets = f"sets: [{{name: slow, linear: [-0.1, 0.4], {FRONT}}}]"
     dock = "zones: {dock: {x: [0, 15], y: [0, 6], max_speed: 3.0}}\n"
     found = run(f"{sets}, muting: [dock]", floor=dock)
@@ -223,7 +223,7 @@ def test_while_the_fields_are_muted_no_set_need_apply():
 
 
 def test_the_first_velocity_without_a_set_stops_the_machine():
-    # The speed passes the gap between both sets twice: as it accelerates, and as it brakes.
+    # The speed is between both sets twice, during acceleration and during braking.
     found = run(
         f"sets: [{{name: slow, linear: [-0.1, 0.4], {FRONT}}},"
         f" {{name: fast, linear: [0.6, 1.1], {FRONT}}}]"

@@ -1,4 +1,4 @@
-"""The command `fields`: what it writes is what the library computes."""
+"""The command `fields`: its output equals the values of the library."""
 
 import math
 

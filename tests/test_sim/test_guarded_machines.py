@@ -1,4 +1,4 @@
-"""Protective fields in trials: they stop and slow machines, whatever these are told."""
+"""Protective fields in trials stop and slow machines, regardless of commands."""
 
 import math
 import textwrap
@@ -62,7 +62,7 @@ FRONT, RADIUS = 2.5, 0.3
 
 
 def trial(people="[]", more="missions: [{go: east}]", fields=FIELDS, keys="", folder=".", at=3.0):
-    """A vehicle on its way east, on y = 3."""
+    """Return a trial with a vehicle that drives east on y = 3."""
     text = f"""
     duration: 60
     rules: observe
@@ -83,7 +83,7 @@ ONLY_PROTECTIVE = FIELDS[: FIELDS.index("      warning")]
 
 
 def from_field(run, t):
-    """Return the distance of the person from the protective field on their left and ahead."""
+    """Return the distance of the person from the protective field on the left and ahead."""
     eve, fork = (run.motions[name].position(t) for name in ("eve", "fork"))
     ahead, beside = eve - fork - [FRONT, 0.8]
     return math.hypot(max(0.0, ahead), max(0.0, beside))
@@ -149,7 +149,7 @@ def test_a_controller_that_ends_the_stop_ends_the_run(tmp_path):
 def test_the_warning_field_limits_the_speed(tmp_path, name):
     (tmp_path / "mine.py").write_text(CONTROLLERS)
     more = f"controller: 'mine:{name}', rate: 10" if name else "missions: [{go: east}]"
-    # They stand beside the course, so that only the warning field touches them.
+    # The person stands beside the course, so that only the warning field reaches them.
     fields = FIELDS.replace("[[4.5, 0.8]", "[[4.5, 2.0]")
     run = sim.run(trial(standing(15, 4.5), more, fields, folder=tmp_path))
     motion = run.motions["fork"]

@@ -157,7 +157,7 @@ def test_a_person_who_is_about_to_arrive_arrives_before_the_alarm(walkers, arriv
 
 
 def postpone_alarms(walkers):
-    """Let nobody look for a place within the next `PARAMETERS.early` seconds."""
+    """Prevent searches for a place within the next `PARAMETERS.early` seconds."""
     for me in walkers.people:
         me.stepped = walkers.clock.now
 
@@ -169,7 +169,7 @@ def test_people_who_walk_towards_a_vehicle_decide_again(walkers):
         walkers.walker((0, 4), (10, 4)),
         walkers.walker((0, 0.7), (10, 0.3), recorded=True),
     )
-    walkers.walker((10, 4), (0, 4), goal=False)  # no vehicle
+    walkers.walker((10, 4), (0, 4), goal=False)  # this person is no vehicle
     postpone_alarms(walkers)
     walkers.steps_aside.notice([walkers.vehicle((6, 0), (0, 0))])
     walkers.until(0.1)

@@ -1,4 +1,4 @@
-"""Rule sets whose laws count on shorter stops than the machines on the floor may take."""
+"""Rule sets whose laws assume shorter stops than the machines on the floor may need."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -24,7 +24,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def audited(**laws):
-    """The machines in the summary's audit, with their figures, under these laws."""
+    """Return the machines in the summary's audit, with their figures, under these laws."""
     trial = sim.Trial(PLAN, duration=1.0, rules=replace(sim.RULE_SETS["ariac2023"], **laws))
     audit = sim.run(trial).summary["law_audit"]
     return {found["machine"]: found for found in audit}
@@ -147,7 +147,7 @@ def test_the_scoring_laws_of_the_competition_are_no_protection(
     assert "cart" in floorwalker("check", str(path)).stderr
 
 
-def test_a_run_says_it_in_one_figure():
+def test_a_run_reports_the_audit_in_one_figure():
     run = sim.run(replace(sim.Trial.load("ariac2023"), duration=1.0))
     said = [value for _, value in figures_in_words(run.summary) if "vehicles" in value]
     assert said == ["gantry, 4 vehicles"]

@@ -1,4 +1,4 @@
-"""Machines of any kind: one that the library does not know, several gantries, an AGV of a trial."""
+"""Machines of any kind: a custom kind, several gantries, an AGV of a trial."""
 
 import json
 import re
@@ -35,7 +35,7 @@ machines:
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """The example of a kind of one's own, run and recorded."""
+    """The run of the example of a custom kind, and its recording."""
     folder = tmp_path_factory.mktemp("tugger")
     run = record(sim.Trial.load(EXAMPLES / "tugger.trial.yaml"), folder)
     return run, folder
@@ -110,7 +110,7 @@ def test_a_custom_kind_is_plotted_and_exported(recorded, tmp_path):
     assert b"train" in (tmp_path / "run.mcap").read_bytes()
 
 
-def test_people_see_a_custom_kind_and_walk_around_it(tmp_path):
+def test_people_see_a_custom_machine_and_walk_around_it(tmp_path):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     (tmp_path / "looks.asl").write_text(
         '+human_start <- ?machine(train, Kind, X, Y, V); .print(Kind, " ", X, " ", Y);'
@@ -324,7 +324,7 @@ def test_several_gantries_work_on_one_floor(rules):
 
 
 def test_the_minimum_separation_is_to_the_nearest_of_several_gantries():
-    """The one that comes first is near them, and the other is far away."""
+    """The first gantry is near the person, and the second is far away."""
     text = TWO_GANTRIES.format(rules="observe").replace("{name: ada", "{name: ada, at: [-3, 0]")
     run = sim.run(sim.Trial.parse(text.replace("duration: 60", "duration: 3")))
     t = np.linspace(0.0, 3.0, 3001)
@@ -385,7 +385,7 @@ machines:
     assert sim.Trial.parse(made.to_yaml()).agvs == one.agvs
 
 
-def test_nothing_happens_before_the_start():
+def test_no_event_comes_before_the_start():
     heard = []
 
     class Ears(sim.Listener):

@@ -1,4 +1,4 @@
-"""Least margins of runs, against dense sampling; and the slack of every expectation."""
+"""Minimum margins of runs against dense sampling, and the slack of every expectation."""
 
 import math
 import random
@@ -35,7 +35,7 @@ LAWS = {
 
 
 def trial(seed, law, controller="oblivious"):
-    """A trial with two people and everything that moves, drawn from a seed."""
+    """Return a trial with two people and all kinds of machines, drawn from a seed."""
     rng = random.Random(seed)
     times = sorted(round(rng.uniform(0, 50), 2) for _ in range(2))
     personalities = [rng.choice(("helpful", "indifferent", "antagonistic")) for _ in range(2)]
@@ -58,7 +58,7 @@ agvs: {{agv1: [{{time: {times[1]}, to: assembly_front}}]}}
 
 
 def sampled(run, person, machine, spans):
-    """The least margin at dense instants of some spans, but for the instants of jumps."""
+    """Return the minimum margin at dense times of some spans, except near jumps."""
     least = math.inf
     jumps = [*run.motions[person].jumps]
     for begin, end in spans:
@@ -152,7 +152,7 @@ def test_a_recorded_requirement_encloses_its_curve_and_takes_the_right_side_of_a
         ("> 1, < 4", 3.5, pytest.approx(0.5)),
     ],
 )
-def test_slack_of_numbers(wanted, found, amount):
+def test_the_slack_of_a_number_is_its_distance_to_the_bound(wanted, found, amount):
     assert NumberCondition.parse(wanted).slack(found) == amount
 
 
@@ -166,7 +166,7 @@ def test_the_slack_of_a_number_is_negative_exactly_where_it_does_not_pass():
         assert (condition.slack(value) < 0) == (not condition.passes(value))
 
 
-def test_the_slack_of_visits_counts_what_is_wrong():
+def test_the_slack_of_visits_counts_the_differences():
     came = ["a", "b", "a"]
     assert slack.of_visits(came, ["a", "c"], "begin_with") == -1
     assert slack.of_visits(came, ["a", "b"], "begin_with") == 0
@@ -269,7 +269,7 @@ def test_least_margins_are_of_the_spans_that_count():
     assert (overall.value, overall.machine) == (pytest.approx(1.0), "near")
     assert (moving.value, moving.machine) == (pytest.approx(2.0), "cart")
     assert least_margins([beside(walk, far, [], [])]) == (None, None)
-    # The least of all is while it stands; while it moves another one is nearer.
+    # The overall minimum is at rest. During motion, another machine is nearer.
     back = navigation.vehicle_segment((3.0, 0.0, 0.0), (9.0, 0.0), 5.0)
     other = navigation.vehicle_segment((9.0, 1.0, math.pi), (3.5, 1.0))
     pair = [

@@ -18,7 +18,7 @@ def run():
 
 
 def shown(value):
-    """What a notebook gets for a value, by MIME type."""
+    """Return the representations of a value in a notebook, by MIME type."""
     data, _ = formatters.DisplayFormatter().format(value)
     return data
 
@@ -40,14 +40,14 @@ def test_a_run_shows_its_figures_and_its_replay(run, open_page):
     assert viewer.complaints == []
 
 
-def test_names_stay_text():
+def test_names_are_escaped():
     trial = sim.Trial.parse("{floorplan: warehouse, name: '<b>&\"bold\"', duration: 1}")
     html = shown(sim.run(trial))["text/html"]
     assert "<b>" not in html
     assert "&lt;b&gt;&amp;&quot;bold&quot;" in html
 
 
-def test_a_run_that_was_broken_off_is_shown(run, tmp_path):
+def test_an_interrupted_run_is_shown(run, tmp_path):
     recording = sim.Recording(tmp_path / "run")
     sim.run(sim.Trial.load("scene_antagonistic"), recording)
     recording.close()

@@ -1,4 +1,4 @@
-"""People bound for a place on which an AGV stands."""
+"""People whose goal is occupied by an AGV."""
 
 import math
 
@@ -53,7 +53,7 @@ def kinds(run):
 
 
 @pytest.mark.parametrize("yields", [False, True])
-def test_a_person_waits_beside_and_goes_on_when_the_agv_has_left(run, yields):
+def test_a_person_waits_beside_the_goal_until_the_agv_has_left(run, yields):
     moves = "[{time: 0, to: far}, {time: 30, to: near}]"
     found = run(moves, yields=yields)
     assert kinds(found) == ["goal", "goal_occupied", "goal_free", "arrived"]
@@ -62,12 +62,12 @@ def test_a_person_waits_beside_and_goes_on_when_the_agv_has_left(run, yields):
     assert (occupied["goal"], free["goal"]) == ([16, 5], [16, 5])
     waited = found.motions["a"].state(29.0)
     assert waited.speed == 0.0
-    # Far enough for the AGV to set out: at its 2 m/s the rules ask for 3 m, of somebody who walks
-    # 5.5 m, and an AGV that yields looks 2 s ahead.
+    # The person waits far enough away for the AGV to start. At its 2 m/s the rules require 3 m, or
+    # 5.5 m for a walking person. A yielding AGV looks 2 s ahead.
     away = 3.1 if not yields else 7.6
     assert math.dist(waited.at, (16, 5)) == pytest.approx(away, abs=0.01)
     assert 30.0 < free["t"] < events(found, "agv_moved")[-1]["arrives"]
-    # Not before somebody beside the goal would be far enough for the AGV.
+    # The goal is free once a person beside it would be far enough from the AGV.
     cart = found.motions["cart"]
     left = math.dist(cart.position(free["t"]), cart.position(29.0))
     assert left >= away
@@ -75,7 +75,7 @@ def test_a_person_waits_beside_and_goes_on_when_the_agv_has_left(run, yields):
     assert said(found) == ["occupied0", "completed0"]
 
 
-def test_an_agv_that_stops_on_the_goal_of_somebody_who_walks(run):
+def test_a_walking_person_waits_when_an_agv_stops_on_their_goal(run):
     program = VISIT.replace(".wait(8000)", ".wait(100)")
     found = run("[{time: 0, to: far}, {time: 25, to: near}]", program)
     assert kinds(found) == [
@@ -89,7 +89,7 @@ def test_an_agv_that_stops_on_the_goal_of_somebody_who_walks(run):
     assert events(found, "goal_occupied")[0]["t"] == pytest.approx(stopped)
 
 
-def test_the_mind_may_decide_otherwise(run):
+def test_the_agent_may_choose_another_goal(run):
     program = VISIT.replace(".print(occupied, N)", "move(28, 14, 0)")
     found = run("[{time: 0, to: far}, {time: 25, to: near}]", program)
     assert kinds(found) == ["goal", "goal_occupied", "goal", "arrived"]
@@ -109,7 +109,7 @@ def test_people_on_patrol_wait_for_a_while_and_go_to_the_next_station(run):
     assert found.motions["a"].state(beside - 8.6).speed > 0
 
 
-def test_people_on_patrol_who_get_on_in_time_stay_on_the_ring(run):
+def test_people_on_patrol_with_a_short_wait_stay_on_their_route(run):
     moves = "[{time: 0, to: far}, {time: 18, to: near}]"
     found = run(moves, personality="indifferent", duration=60)
     goals = [event["station"] for event in events(found, "goal")]
@@ -119,7 +119,7 @@ def test_people_on_patrol_who_get_on_in_time_stay_on_the_ring(run):
 
 
 def test_an_agv_that_drives_across_is_let_pass(run, tmp_path):
-    """Under rules so lenient that only touching it counts: the person waits, and walks on."""
+    """Under lenient rules, under which only contact counts, the person waits and then continues."""
     (tmp_path / "close.yaml").write_text("agv_law: {fixed: 0.2}\n")
     program = "+human_start <- move(11, 1, 0); .wait(100); move(11, 12, 0)."
     (tmp_path / "floor.yaml").write_text(FLOOR)
@@ -138,7 +138,7 @@ def test_an_agv_that_drives_across_is_let_pass(run, tmp_path):
     assert navigation.minimum_separation(*pair, 0.0, 30.0, shapes=shapes)[1] >= 0.1
 
 
-def test_to_ask_where_to_wait_moves_nothing(run):
+def test_a_query_for_a_waiting_place_changes_no_position(run):
     found = run("[]", program="+human_start <- move(3, 5, 0).")
     assert "goal_occupied" in kinds(found)
     simulation = sim.Simulation(found.trial)
@@ -147,7 +147,7 @@ def test_to_ask_where_to_wait_moves_nothing(run):
     assert simulation.world.changes == before
 
 
-def test_a_person_goes_on_while_a_vehicle_that_has_left_the_goal_drives_on(tmp_path):
+def test_a_person_continues_after_a_vehicle_has_left_the_goal(tmp_path):
     floor = {"boundary": [[0, 0], [30, 0], [30, 10], [0, 10]]}
     floor |= {"stations": {"dock": [6, 5]}, "safe_zone": {"at": [28, 9]}}
     drive = [{"wait": 3}, {"go": [28, 5]}]

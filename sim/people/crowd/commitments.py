@@ -132,8 +132,8 @@ class Others(Sequence[Traveller]):
 
         Two bodies keep the gap. Bodies that are closer already must not come closer.
         """
-        found, t = self._first_met(ahead)
-        return None if found < 0 else self.table.hit(found, t)
+        index, t = self._first_met(ahead)
+        return None if index < 0 else self.table.hit(index, t)
 
     def free(self, ahead: Swath) -> bool:
         """Return whether a motion of the person from now on has no conflict."""

@@ -224,11 +224,11 @@ def drawn(entry: MannersEntry, seed: int, name: str) -> Manners:
     if entry == AS_USUAL:
         return USUAL
     random = Random(seed_of(seed, f"manners {name}"))
-    given = {}
+    values = {}
     for one in fields(entry):
         value = getattr(entry, one.name)
         if isinstance(value, tuple):
             value = random.uniform(*value)
         if value is not None:
-            given[one.name] = value
-    return Manners(**given)
+            values[one.name] = value
+    return Manners(**values)

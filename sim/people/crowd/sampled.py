@@ -198,10 +198,10 @@ class SampledCrowd(Crowd):
             worlds.setdefault(bodies[k].world, []).append(k)
         owners, points = [], []
         for world, some in worlds.items():
-            known = self._walls.get(world)
-            if known is None or known.changes != world.changes:
-                known = self._walls[world] = _Walls(world.changes, WallSides(world.walkable))
-            who, where = known.sides.near(at[some], WALLS_WITHIN)
+            walls = self._walls.get(world)
+            if walls is None or walls.changes != world.changes:
+                walls = self._walls[world] = _Walls(world.changes, WallSides(world.walkable))
+            who, where = walls.sides.near(at[some], WALLS_WITHIN)
             owners.append(np.array(some)[who])
             points.append(where)
         wall_of = np.concatenate(owners)

@@ -201,14 +201,14 @@ class Traveller:
         People for whom this person waits in turn are excluded until patience runs out, because
         both sides of a circle profit from any way out.
         """
-        found, left = set[Traveller](), [*self.kept]
+        behind, left = set[Traveller](), [*self.kept]
         while left:
             one = left.pop()
-            if one not in found:
-                found.add(one)
+            if one not in behind:
+                behind.add(one)
                 left += one.kept
         ahead = None if self.said else self.waits_for
-        while ahead is not None and ahead in found:
-            found.discard(ahead)
+        while ahead is not None and ahead in behind:
+            behind.discard(ahead)
             ahead = ahead.waits_for
-        return found
+        return behind

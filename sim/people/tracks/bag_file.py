@@ -191,11 +191,11 @@ def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _BagTrack]:
         number = counts[topic]
         counts[topic] += 1
         try:
-            found = list(poses())
+            decoded = list(poses())
         except Exception as why:  # the libraries raise many errors for damaged messages
             message = f"topic {topic}, message {number}: can't be decoded: {why}"
             raise TrackError.of(path, message) from None
-        for name, frame, time, x, y, yaw in found:
+        for name, frame, time, x, y, yaw in decoded:
             track = tracks.setdefault(name or topic, _BagTrack(topic, frame))
             fault = _fault(track, topic, frame, (x, y))
             if fault:
