@@ -6,9 +6,15 @@ import pytest
 
 import sim
 from sim.core.custom_code import CodeFolder
-from sim.machines.gantry.controllers import controller_source, find_controller
+from sim.machines.controllers import loaded
+from sim.machines.gantry.controllers import CONTROLLER, controller_source
 
 CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
+
+
+def find_controller(name, folder):
+    """Return a controller of gantries by its name, imported if it is custom."""
+    return loaded(name, CONTROLLER, controller_source(name, folder))
 
 
 def said(name, folder):
