@@ -42,7 +42,7 @@ class Walker:
     """A person who walks from a place to goals, one after the other, and leaves at the last.
 
     Without goals they stand. They come onto the floor at `enters`, and set out at `sets_out`
-    (seconds); `speed` is in m/s.
+    (seconds). `speed` is in m/s.
     """
 
     at: Point

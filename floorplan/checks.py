@@ -344,6 +344,6 @@ def _range(ends: tuple[float, float], *place: str) -> Iterator[Fault]:
 
 
 def _sizes(thing: object, *place: str) -> Iterator[Fault]:
-    """Yield the fields of `thing` that are out of range, below `place`."""
+    """Yield the fields of an object that are out of range, below `place`."""
     for message, inner in range_faults(thing):
         yield message, (*place, *inner)

@@ -577,7 +577,7 @@ class Floor:
 
     @property
     def patrolled(self) -> tuple[Station, ...]:
-        """Stations of the patrol in its order; `KeyError` for an unknown name."""
+        """Return the stations of the patrol in its order. `KeyError` for an unknown name."""
         if self.patrol is None:
             return self.stations
         return tuple(self.station(name) for name in self.patrol)

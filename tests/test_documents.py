@@ -1,4 +1,4 @@
-"""The documents are true: their examples run, their links lead somewhere."""
+"""Documents: their examples run, and their links lead somewhere."""
 
 import dataclasses
 import importlib
@@ -33,7 +33,7 @@ NAMED = re.compile(r"`([\w.]+\.(?:yaml|asl|py|wkt|jsonl))`")
 
 
 def blocks(document, kind):
-    """The blocks of one kind, each with the file name in the lines before it, if any."""
+    """Return the blocks of one kind, each with the file name in the lines before it, if any."""
     for block in BLOCK.finditer(document.read_text(encoding="utf-8")):
         if block["kind"] == kind:
             names = NAMED.findall(block["before"])
@@ -41,7 +41,7 @@ def blocks(document, kind):
 
 
 def showing(*kinds):
-    """The documents that have blocks of some kinds."""
+    """Return the documents that have blocks of some kinds."""
     return [page for page in DOCUMENTS if any(list(blocks(page, kind)) for kind in kinds)]
 
 
@@ -83,7 +83,7 @@ def test_python_examples_run(document, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("document", showing(*SHOWN), ids=lambda path: path.name)
-def test_files_that_are_shown_load(document, tmp_path):
+def test_shown_files_load(document, tmp_path):
     saved = []
     for kind in SHOWN:
         for name, text in blocks(document, kind):
@@ -112,8 +112,8 @@ CONTROLLERS_SHOWN = {
 
 @pytest.mark.parametrize("people", [2, 5])
 @pytest.mark.parametrize("name", CONTROLLERS_SHOWN)
-def test_controllers_that_are_shown_work_beside_people(name, people):
-    """As they stand on the page, however many come near, and whenever they are interrupted."""
+def test_shown_controllers_work_beside_people(name, people):
+    """Run them unchanged, beside any number of people and with any interruptions."""
     exec(compile(CONTROLLERS_SHOWN[name], name, "exec"), namespace := {})
     minds = ["antagonistic", "curious", "indifferent", "helpful", "scared"][:people]
     trial = sim.Trial.parse(
@@ -136,7 +136,7 @@ gantry: {{jobs: [{{move: [-2.3, 3.0, 0.0]}}, {{pick: bin6, place: agv4}}]}}
 
 
 def keys(model, above=()):
-    """The keys of a file's part, and of the parts in it that are not `above`."""
+    """Return the keys of a part of a file, and of the parts in it that are not `above`."""
     for name, annotation in form_keys(model):
         yield name
         for part in forms(annotation):
@@ -173,7 +173,7 @@ def test_the_reference_has_every_key(model):
 
 
 def required(form):
-    """The keys of a form that have no default."""
+    """Return the keys of a form that have no default."""
     if not dataclasses.is_dataclass(form):
         return [name for name, info in form.model_fields.items() if info.is_required()]
     needed = [key for key in fields_of(form) if key.default is dataclasses.MISSING]
@@ -226,7 +226,7 @@ def test_every_example_in_the_folder_runs(name, capsys):
 
 
 def pages(entries):
-    """The files that a navigation leads to."""
+    """Return the files that a navigation leads to."""
     for entry in entries:
         if isinstance(entry, str):
             yield entry

@@ -1,4 +1,4 @@
-"""Public names: explained, with known types, made by keyword, listed, and copied."""
+"""Public names: documented, with resolvable types, made by keyword, listed, and copied."""
 
 import ast
 import copy
@@ -54,7 +54,7 @@ def public_members(cls):
             yield f"{cls.__name__}.{name}", function
 
 
-def test_packages_say_what_they_are_for():
+def test_packages_have_docstrings():
     assert [name for name in PACKAGES if not importlib.import_module(name).__doc__] == []
 
 
@@ -66,7 +66,7 @@ def test_classes_and_their_methods_have_docstrings():
     assert [member for member, function in own if not own_docstring(function)] == []
 
 
-def test_functions_say_what_each_parameter_is():
+def test_functions_document_each_parameter():
     functions = [name for name in NAMES if inspect.isfunction(value(name))]
     assert [name for name in functions if not own_docstring(value(name))] == []
     unnamed = [
@@ -279,7 +279,7 @@ def test_paths_movers_and_errors_are_copied(way):
 
 
 @pytest.mark.parametrize("way", COPIES)
-def test_worlds_say_why_they_are_not_copied(way):
+def test_worlds_explain_why_they_are_not_copied(way):
     for original in (WORLD, navigation.PathPlanner(WORLD), navigation.GantryPlanner(PLAN)):
         with pytest.raises(TypeError, match="holds FCL's geometry, which can't be copied"):
             COPIES[way](original)
@@ -336,7 +336,7 @@ def test_runs_can_be_copied_and_pickled():
 
 @pytest.fixture(params=["Simulation", "GantryRobot", "Body", "Recording", "LiveRun"])
 def part_of_a_run(request, tmp_path):
-    """Something that goes on while a run does."""
+    """Object that exists only during a run."""
     simulation = sim.Simulation(TRIAL)
     match request.param:
         case "Simulation":
@@ -355,7 +355,7 @@ def part_of_a_run(request, tmp_path):
                 yield live
 
 
-def test_parts_of_a_run_say_why_they_cannot_be_copied(part_of_a_run):
+def test_parts_of_a_run_explain_why_they_cannot_be_copied(part_of_a_run):
     message = f"a {type(part_of_a_run).__name__} cannot be copied .* run in progress"
     for copied in (copy.copy, copy.deepcopy, pickle.dumps):
         with pytest.raises(TypeError, match=message):

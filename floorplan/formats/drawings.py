@@ -124,8 +124,8 @@ def enclosed(lines: Sequence[Floats], snap: float | None) -> tuple[list[Polygon]
     met = shapely.linestrings(corners, indices=of)
     first = _first_of_each(met)
     distinct = met[np.array([*first.values()], int)]
-    # Cuts are lines with the same area on both sides, and dangles have a loose end. Neither
-    # encloses an area.
+    # Cuts are lines with the same area on both sides, and dangles have a loose end. Both enclose no
+    # area.
     faces, cuts, dangles, _ = shapely.polygonize_full(distinct)
     areas = shapely.polygons(shapely.get_exterior_ring(shapely.get_parts(faces)))
     order = np.lexsort(shapely.bounds(areas).T[::-1])  # by west, south, east and north

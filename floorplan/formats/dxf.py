@@ -1,4 +1,4 @@
-"""Floors from DXF drawings, sorted by layer; curves are flattened and blocks expanded.
+"""Floors from DXF drawings, sorted by layer, with flattened curves and expanded blocks.
 
 Closed outlines bound areas, and so do lines, arcs and splines that meet. The area on the layer (or
 in the group of layers) "boundary" bounds the floor, those on others are obstacles, called after

@@ -38,7 +38,7 @@ _PGM_HEADER = rb"(P[25])" + rb"(?:\s|#[^\n]*\n)+(\d{1,20})" * 3 + rb"(?:#[^\n]*\
 class GreyImage:
     """Brightness from 0 (black) to `top` (white), (rows, columns), the top row first.
 
-    `opaque` marks the pixels that are not transparent; None if all are.
+    `opaque` marks the pixels that are not transparent, or is None if all are opaque.
     """
 
     levels: Levels

@@ -1,9 +1,9 @@
 """Floors from maps of ROS's map_server: a YAML file and a grey image.
 
 Free cells are floor, all others (occupied, unknown, transparent) are not. The floor is the largest
-connected free area; cells that touch only at a corner are not connected. As in
-map_server, the thresholds decide alone: the grey (205) of unknown cells is below a free_thresh of
-0.25 and so counts as free; 0.196 leaves it out. Masks of Nav2's costmap filters are zones.
+connected free area. Cells that touch only at a corner are not connected. As in map_server, the
+thresholds decide alone: the grey (205) of unknown cells is below a free_thresh of 0.25 and so
+counts as free; 0.196 leaves it out. Masks of Nav2's costmap filters are zones.
 """
 
 import math

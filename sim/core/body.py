@@ -28,7 +28,7 @@ from .custom_code import argument_fault
 class Plans:
     """The motions that a body set out on. A track has only what came of them.
 
-    A law that looks ahead asks for what somebody is about to do.
+    A law that looks ahead also needs the motion to come.
     """
 
     def __init__(self, since: float, motion: Motion) -> None:
@@ -316,7 +316,7 @@ CONTACT = "contact"
 def is_there(pose: Sequence[float], target: Sequence[float], within: float) -> bool:
     """Return whether a pose is at x, y, and in the rotation, but for whole turns, if any.
 
-    It may be `within` so many metres and radians of them.
+    `within` is the tolerance in metres and radians.
     """
     turn = math.remainder(pose[2] - target[2], math.tau) if len(target) == 3 else 0.0
     return math.dist(pose[:2], target[:2]) < within and abs(turn) < within

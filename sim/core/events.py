@@ -213,7 +213,7 @@ class EventKind:
 
 
 def has_form(value: object, form: Form) -> bool:
-    """Return whether a field holds what it should, as recorded; names and numbers may be None."""
+    """Return whether a recorded field has a value of its type. Names and numbers may be None."""
     if form == "point":
         return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
     if form == "number":
@@ -494,7 +494,7 @@ class MachineProceeds(EventKind):
 
 
 class MachineEvades(EventKind):
-    """A machine takes another path, or moves aside `to` a passing place, to let another pass."""
+    """A machine takes another path, or moves aside to a passing place, so that another can pass."""
 
     machine: _Machine
     for_machine: _Machine

@@ -351,7 +351,7 @@ class Stage(InProgress):
         self._change()
 
     def _rules_for(self, person: str) -> frozenset[str]:
-        """Return the forbidden zones and one-way gates of a person. "" is the name of anybody."""
+        """Return the forbidden zones and one-way gates of a person. "" stands for any person."""
         plan = self.floorplan
         zones = {zone.name for zone in plan.zones if zone.forbidden and zone.is_about(person)}
         return frozenset(zones | {gate.name for gate in plan.one_ways if gate.is_about(person)})

@@ -230,7 +230,7 @@ class Caution:
         if not gantry.disabled:
             motion = gantry.body.motion
             standstill = (motion, pose, people) if motion.end <= gantry.now else None
-            # A motion that was unsafe from standstill stays unsafe until somebody moves.
+            # A motion that was unsafe from standstill stays unsafe until a person moves.
             if standstill is None or self._stuck != standstill:
                 for candidate in SHARES:
                     motion = self.preview(pose, candidate)

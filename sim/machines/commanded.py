@@ -343,7 +343,7 @@ class CommandedMachine(Machine):
 
     @property
     def stops(self) -> Stops:
-        """Stops of the machine at all times of a motion."""
+        """Stops of the machine that begin during a motion."""
         return self._drive.stops
 
     def stopping(self, state: State, t: float) -> Motion:

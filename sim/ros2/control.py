@@ -16,7 +16,7 @@ from .node import CellNode
 class Control:
     """Provider of the services of simulation_interfaces that apply to a trial.
 
-    `step()` advances by one step. It returns False if time goes by on its own, or is over.
+    `step()` advances by one step. It returns False if time is not stepped, or the run is over.
     """
 
     def __init__(self, ros: CellNode, cell: Cell, pace: Pace, step: Callable[[], bool]) -> None:

@@ -1,4 +1,4 @@
-"""Numbers that are not finite or absurd are refused by every reader on entry."""
+"""Every reader rejects infinite, undefined and absurd numbers on entry."""
 
 import json
 import re
@@ -263,7 +263,7 @@ def test_the_sample_is_accepted(folder, name):
         for kind, form in forms.items()
     ],
 )
-def test_an_outsized_number_is_refused(folder, name, spot, written):
+def test_an_outsized_number_is_rejected(folder, name, spot, written):
     path = folder / name
     whole = path.read_bytes()
     read = OWN[name][1] if name in OWN else READERS[name]
@@ -281,7 +281,7 @@ def test_an_outsized_number_is_refused(folder, name, spot, written):
 
 @pytest.mark.parametrize("value", ["nan", "inf", "1e300"])
 @pytest.mark.parametrize("change", ["trajectory_data SET pos_x = {}", "metadata SET value = {}"])
-def test_an_outsized_number_in_a_recording_of_jupedsim_is_refused(tmp_path, value, change):
+def test_an_outsized_number_in_a_recording_of_jupedsim_is_rejected(tmp_path, value, change):
     path = tmp_path / "track.sqlite"
     trial = sim.Trial.parse(f"{HALL}duration: 2\npeople: [{{name: eve}}]")
     sim.export(sim.run(trial), path)

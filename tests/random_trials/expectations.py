@@ -1,4 +1,4 @@
-"""Random expectations of a run: a slack is negative exactly where its expectation is not met."""
+"""Random expectations of a run: a slack is negative exactly if its expectation is not met."""
 
 import math
 import operator
@@ -43,7 +43,7 @@ def slack_faults(run):
 
 
 def _figure(random, field, run):
-    """What a trial may expect of a figure, and whether it is met; None if visits decide it."""
+    """Return a random expectation of a figure, and whether it is met (None for visits)."""
     found = field.value(run)
     if field.figure.form == "flag":
         wanted = random.random() < 0.5
@@ -66,7 +66,7 @@ def _figure(random, field, run):
 
 
 def _statement(random, run):
-    """An expectation over time."""
+    """Return a random expectation over time."""
     kinds = sorted({event["kind"] for event in run.events} | {"violation", "arrived"})
     kinds = [kind for kind in kinds if kind in EVENT_KINDS]
     bodies = [*run.motions]

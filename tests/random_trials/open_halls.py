@@ -112,7 +112,7 @@ def dithering(run):
 
 
 def faults_in_hall(number):
-    """Return what is wrong in the trial of this number, and what else is noted, in words."""
+    """Return the faults of the trial with this number and other notes, in words."""
     try:
         trial = open_hall(number)
         run = sim.run(trial)
@@ -133,7 +133,7 @@ def faults_in_hall(number):
 
 
 def main():
-    """Run the trials, and print what is noted of each, and what is wrong."""
+    """Run the trials, and print the notes and faults of each."""
     first, count = map(int, sys.argv[1:])
     broken = 0
     for number in range(first, first + count):

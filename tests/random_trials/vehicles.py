@@ -48,7 +48,7 @@ ROUTED = ("oblivious", "oblivious", "oblivious", "pausing", "avoiding")
 
 
 def random_trial_of_vehicles(number):
-    """The trial of this number: 1 to 5 vehicles among 0 to 6 people, on one of many floors."""
+    """Return the trial of this number: 1 to 5 vehicles among 0 to 6 people on a random floor."""
     random = Random(f"vehicles {number}")
     duration = random.uniform(25.0, 70.0)
     plan = _floor(random)
@@ -110,7 +110,7 @@ def _floor(random):
 
 
 def _vehicle(random, plan, taken):
-    """The keys of a vehicle that fits where it starts, with places that it gets to."""
+    """Return the keys of a vehicle that fits at its start, with destinations that it can reach."""
     footprint = random.choice(FOOTPRINTS)
     keys = {**random.choice(LIMITS), "drive": random.choice(["differential", "holonomic"])}
     if footprint:

@@ -13,7 +13,7 @@ MOST_GROWN = 20e6
 
 
 def resident():
-    """The memory that this process takes up now, bytes."""
+    """Return the memory that this process takes up now (bytes)."""
     pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
     return int(pages) * os.sysconf("SC_PAGE_SIZE")
 

@@ -1,4 +1,4 @@
-"""The agent from outside: time, percepts, actions, and a look inside."""
+"""The agent from outside: time, percepts, actions, and inspection."""
 
 import gc
 import math
@@ -11,7 +11,7 @@ import bdi
 
 
 def make(source, **options):
-    """An agent that writes down what it does and says, with the times."""
+    """Return an agent that records its actions and lines with their times."""
     log = []
     agent = None
 
@@ -273,7 +273,7 @@ def test_unknown_internal_actions_are_warnings_unless_an_agent_is_strict():
         settings=bdi.AgentSettings(on_event=warnings.append, kinds=["warning"]),
     ).advance(0.0)
     assert lines == ["action_failed"]
-    # That of the added plan is a warning where it is written, and again when it is added.
+    # Unknown actions in the added plan are reported where it is written, and when it is added.
     assert [entry.text.partition(" (")[0] for entry in warnings] == [
         "x.asl:1:8: there is no internal action .prnt; did you mean .print?",
         "x.asl:2:14: there is no internal action .nosuch",

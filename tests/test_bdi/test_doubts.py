@@ -1,4 +1,4 @@
-"""What runs, but probably not as its author meant it."""
+"""Warnings of valid programs that probably differ from the intention of the author."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Beliefs that are asked for: always as things are now, and nothing happens by them."""
+"""Live beliefs: queries use the current values and raise no events."""
 
 import pytest
 
@@ -6,7 +6,7 @@ import bdi
 
 
 class World:
-    """A place that changes, and how often somebody has looked."""
+    """A position that changes, and the number of queries about it."""
 
     def __init__(self):
         self.x = 0

@@ -144,7 +144,7 @@ def test_agents_of_a_society_draw_different_random_numbers():
     three = drawn(["ann", "bob", "cyd"])
     assert len(set(three)) == 3
     assert three == drawn(["ann", "bob", "cyd"]) != drawn(["ann", "bob", "cyd"], seed=1)
-    # Alone, and as the first of a society, an agent draws what its seed says.
+    # Alone, and as the first of a society, an agent draws according to its seed.
     assert drawn(["ann"]) == drawn(["bob"]) == three[:1]
 
 

@@ -1,4 +1,4 @@
-"""Terms, the beliefs made of them, and the rules that contexts ask, against plain searches."""
+"""Terms, beliefs made of them, and rules in contexts, compared with plain searches."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_the_standard_order_is_antisymmetric(one, other):
         ("A[z]", "p[x, y]", False),
         ("A[x]", "B[x]", True),
         ("A[x]", "1", True),
-        ("p(A[x], A)", "p(A[y], q)", False),  # looked for the end of A for ever
+        ("p(A[x], A)", "p(A[y], q)", False),  # an occurs check of A that would not end
         ("[1, 2|T]", "[1, 2, 3]", True),
         ("[1, X]", "[1]", False),
         ("p[x|R]", "p[x, y, z]", True),
@@ -154,7 +154,7 @@ PATTERNS = [
 
 
 class List:
-    """Beliefs in order, each with its arguments and sources; nothing is filed."""
+    """Beliefs in order, each with its arguments and sources, without an index."""
 
     def __init__(self):
         self.beliefs = []
@@ -222,7 +222,7 @@ PLACES = ("a", "b", "X", "Y")
 
 
 def _rule(random: Random, name: str, below: list[str]) -> str:
-    """Return a rule that may ask those `below` it, and now and then itself."""
+    """Return a rule that may query the rules `below`, and sometimes itself."""
     known = [f"{asked}({', '.join(random.choices('XYab', k=2))})" for asked in below]
     formulas = [random.choice((*CONTEXTS, *known, *known)) for _ in range(random.randint(1, 3))]
     return f"{name}{random.choice(HEADS)} :- {' & '.join(formulas)}."
@@ -233,7 +233,7 @@ def _program(random: Random) -> str:
     rules = [
         _rule(random, name, names[:k]) for k, name in enumerate(names) for _ in range(1 + k % 2)
     ]
-    if random.random() < 0.3:  # a circle, which stops at a longer list
+    if random.random() < 0.3:  # a cycle, which ends at a longer list
         rules.append("r(X, Y) :- q(X, Z) & X \\== Z & u(Z, Y, [X]).")
         rules.append("u(X, Y, L) :- .length(L, N) & N < 4 & (Y = X | q(X, Z) & u(Z, Y, [X|L])).")
     return "\n".join(rules)

@@ -1,4 +1,4 @@
-"""Floors on top of others."""
+"""Floors laid over other floors."""
 
 import json
 import math
@@ -35,7 +35,7 @@ def problems(lay, *given, **more):
     return [str(problem) for problem in wrong.value.problems]
 
 
-def test_what_is_laid_over_a_floor_and_corrected_in_it(lay):
+def test_a_floor_is_laid_over_another_and_corrects_it(lay):
     plan = lay("""\
         name: line 2
         remove: [shelf*]
@@ -135,7 +135,7 @@ def test_a_base_must_be_there_and_not_above_itself(tmp_path):
         floorplan.load(tmp_path / "a.yaml")
 
 
-def test_a_text_below(lay):
+def test_a_base_may_be_a_text(lay):
     wkt = (
         "POLYGON ((0 0, 1000 0, 1000 600, 0 600, 0 0),"
         "(200 200, 400 200, 400 300, 200 300, 200 200))"

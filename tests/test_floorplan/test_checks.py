@@ -1,4 +1,4 @@
-"""Floors made in Python are held to what holds for floorplan files."""
+"""Floors made in Python are checked by the rules of floorplan files."""
 
 from dataclasses import replace
 
@@ -49,7 +49,7 @@ CART = {"lanes": (replace(CELL.lanes[0], origin=(2.0, 5.0), heading=0.0, limits=
         ({"gantry": replace(CELL.gantry, start=(9.0, 0.0, 0.0))}, "gantry.start: x = 9"),
     ],
 )
-def test_what_can_not_be_is_told(given, message):
+def test_an_impossible_floor_is_rejected(given, message):
     plan = replace(SHOP, **given)
     with pytest.raises(floorplan.FloorplanError, match=message) as told:
         floorplan.check(plan)
@@ -64,17 +64,17 @@ def test_an_agv_may_pass_close_by_and_below(given):
 
 
 @pytest.mark.parametrize("name", floorplan.builtin())
-def test_what_is_built_in_can_be(name):
+def test_every_builtin_floor_is_valid(name):
     floorplan.check(replace(floorplan.load(name)))
 
 
-def test_everything_is_told_at_once():
+def test_all_problems_are_reported_at_once():
     plan = replace(SHOP, human=Human(radius=0.0), patrol=("nowhere",), boundary=CROSSED)
     with pytest.raises(floorplan.FloorplanError, match="3 problems"):
         floorplan.check(plan)
 
 
-def test_a_door_of_no_width_hides_nothing_that_is_wrong_with_others():
+def test_a_door_without_width_hides_no_problem_of_others():
     doors = [
         Door(name="slit", ends=((1.0, 1.0), (1.0, 1.0))),
         Door(name="far", ends=((1.0, 1.0), (99.0, 1.0))),

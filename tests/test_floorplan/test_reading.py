@@ -1,4 +1,4 @@
-"""Files that users give: regular ones of a sensible size, and how images and drawings are read."""
+"""Files of users: only regular files of a sensible size, and how images and drawings are read."""
 
 import os
 import re
@@ -50,8 +50,8 @@ def test_only_regular_files_are_read(tmp_path, name):
 
 
 @posix
-def test_what_is_no_file_is_named(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # a socket's path is short
+def test_a_path_that_is_no_file_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # the path of a socket is short
     with socket.socket(socket.AF_UNIX) as door:
         door.bind("door")
         with pytest.raises(InputError, match="is a socket; give a regular file"):
@@ -115,7 +115,7 @@ def test_lines_come_one_by_one_and_a_torn_one_can_be_left_out(tmp_path):
 
 
 @posix
-def test_what_a_shell_hands_over_is_read(tmp_path):
+def test_a_pipe_from_a_shell_is_read(tmp_path):
     command = [sys.executable, "-m", "sim.cli", "run", "/dev/stdin", "--out", str(tmp_path / "run")]
     text = "{floorplan: ariac2023, duration: 1.0}"
     subprocess.run(command, input=text, text=True, check=True, capture_output=True)
@@ -140,16 +140,16 @@ def test_outlines_hold_the_cells_that_are_set(seed, rows, columns, share):
     assert (shapely.contains_xy(exact, x + 0.5, y + 0.5) == cells).all()
     simple = trace(cells, 0.45)
     assert simple.is_valid
-    # Where set cells touch at a corner, outlines keep off it and come nearer to their middles.
+    # Where set cells touch at a corner, outlines avoid the corner and come nearer to their centres.
     middles = shapely.points(x + 0.5, y + 0.5)
     sure = ~cells | (shapely.distance(exact.boundary, middles) > 0.45)
     assert (shapely.contains(simple, middles) == cells)[sure].all()
     if cells.any():
-        # No point moved farther than it may.
+        # No point moved by more than the limit.
         assert exact.boundary.hausdorff_distance(simple.boundary) <= 0.45 + 1e-9
 
 
-def test_rooms_within_rooms_and_things_in_them():
+def test_nested_rooms_and_obstacles_in_them():
     rings = np.ones((39, 39), bool)
     for k in range(0, 20, 2):
         rings[k : 39 - k, k : 39 - k] = k // 2 % 2 == 0

@@ -1,4 +1,4 @@
-"""Places that change: doors, zones, and obstacles that come and go, for people and AGVs."""
+"""Doors, zones and temporary obstacles, for people and AGVs."""
 
 import math
 import random
@@ -43,13 +43,13 @@ PAIR = (
 
 
 def nearest(run, body, shape, begin, end, step=0.01):
-    """The least distance from the centre of a body to a shape, at many instants."""
+    """Return the minimum distance from the centre of a body to a shape, sampled."""
     times = np.arange(begin, min(end, run.duration), step)
     return shapely.distance(shape, shapely.points(run.motions[body].position(times))).min()
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
-def test_a_closed_door_is_a_wall_and_an_open_one_is_nothing(run, people):
+def test_a_closed_door_is_a_wall_and_an_open_one_is_free(run, people):
     door = floorplan.parse(TWO_ROOMS).doors["lower"].footprint
     through = run(f"duration: 30\n{people}")
     (arrived,) = events(through, "arrived")
@@ -60,7 +60,7 @@ def test_a_closed_door_is_a_wall_and_an_open_one_is_nothing(run, people):
     assert nearest(closed, "eve", door, 0.0, 30.0) >= 0.3 - 1e-6
     assert [e["t"] for e in events(closed, "door_opened")] == [30.0]
     assert events(closed, "arrived")[0]["t"] == pytest.approx(46.5, abs=1.0)
-    # While they are under way, it closes before them: the other door is the way round.
+    # The door closes while the person is under way, so the detour is the other door.
     other = run(
         "duration: 60\ndoors: {lower: {closed: [[4]]}, upper: {open: [[0, 60]]}}\n" + people
     )
@@ -76,7 +76,7 @@ def test_a_distant_person_learns_at_once_that_the_path_is_blocked(run, people):
 
 
 def test_a_distant_person_learns_at_once_that_an_agv_has_stopped_on_the_route(run):
-    """It rests where they have not yet committed themselves to go."""
+    """The AGV rests beyond the part of the path to which the person is committed."""
     lane = (
         LANE.replace("max_speed: 1.0", "max_speed: 2.0")
         .replace("max_acceleration: 0.5", "max_acceleration: 2.0")
@@ -92,7 +92,7 @@ def test_a_distant_person_learns_at_once_that_an_agv_has_stopped_on_the_route(ru
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
-def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
+def test_people_avoid_obstacles_while_they_are_there(run, people, tmp_path):
     pallet = "obstacles: {pallet: {x: [5, 6], y: [1, 4], z: [0, 1], there: [[2.0, 30.0]]}}\n"
     found = run(f"duration: 40\n{people}{pallet}")
     assert nearest(found, "eve", shapely.box(5, 1, 6, 4), 2.5, 30.0) >= 0.3 - 1e-6
@@ -112,7 +112,7 @@ def test_a_person_steps_out_of_an_obstacle_that_is_put_down(run):
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
-def test_a_zone_is_closed_to_whom_it_is_forbidden(run, people):
+def test_a_zone_is_closed_to_people_for_whom_it_is_forbidden(run, people):
     cell = "zones: {cell: {x: [4, 6], y: [0, 5], forbidden: true, concerns: ['e*']}}\n"
     area = shapely.box(4, 0, 6, 5)
     found = run(f"duration: 40\n{people}", TWO_ROOMS + cell)
@@ -165,7 +165,7 @@ def test_people_keep_the_speed_limit_of_a_zone(run, people, seed):
     assert np.median(change) <= 2.5 and speeds_within(walked, shapely.box(0, 0, 20, 10)).max() > 0.9
 
 
-def test_agvs_wait_for_what_is_in_their_way(run):
+def test_agvs_wait_for_obstacles_in_their_way(run):
     moves = "duration: 90\nagvs: {cart: [{time: 1, to: east}, {time: 60, to: west}]}\n"
     text = moves + (
         "doors: {lower: {closed: [[0, 20]]}}\n"
@@ -183,7 +183,7 @@ def test_agvs_wait_for_what_is_in_their_way(run):
     assert cart.position(90.0)[0] == pytest.approx(2.0)
 
 
-def test_agvs_brake_for_what_comes_and_slow_down_in_zones(run):
+def test_agvs_brake_for_new_obstacles_and_slow_down_in_zones(run):
     zone = "zones: {slow: {x: [6, 9], y: [0, 5], max_speed: 0.3, concerns: [cart]}}\n"
     text = (
         "duration: 80\nagvs: {cart: {moves: [{time: 0, to: east}], yield: true}}\n"
@@ -209,7 +209,7 @@ def test_a_move_to_nowhere_hides_no_move_into_a_forbidden_zone(run):
     assert "leads into the zone 'cell', forbidden to van" in str(told.value)
 
 
-def test_a_trial_without_any_of_it_has_nothing_of_it():
+def test_a_trial_without_changing_places_has_none():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"))
     assert not run.scene.passing and not run.floorplan.doors
 
@@ -267,7 +267,7 @@ doors: {gate: {closed: [[AT, 19]]}}
 @pytest.mark.parametrize("most", [0.8, 2.5])
 @pytest.mark.parametrize("at", [5.2, 5.7, 6.0, 6.3, 6.6])
 def test_people_do_not_walk_through_a_closed_door(at, most, count, tmp_path):
-    """Whoever can stop before it does, and who can't is out of it soon after."""
+    """People stop before it if they can. The others leave it soon after."""
     (tmp_path / "east.asl").write_text("+human_start <- move(11, 3, 0).\n")
     text = ROOMS.replace("AT", str(at)).replace("MOST", str(most)).replace("COUNT", str(count))
     if count > 1:

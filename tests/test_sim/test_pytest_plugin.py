@@ -1,4 +1,4 @@
-"""The pytest plugin, in pytest runs of its own: trial files, fixtures, markers, reports."""
+"""The pytest plugin in separate pytest runs: trial files, fixtures, markers, reports."""
 
 import shutil
 from importlib.metadata import entry_points
@@ -36,7 +36,9 @@ PLUGIN = [] if INSTALLED else ["-p", "sim.pytest_plugin"]
 
 @pytest.fixture(scope="module")
 def everything_is_loaded():
-    """Extensions can't be loaded twice, and a pytest run in this process forgets what it loads."""
+    """Load everything once. A pytest run in this process forgets what it imports, and extensions
+    cannot be loaded twice.
+    """
     import sim.testing.trial_items
     import sim.testing.variations
 
@@ -48,20 +50,20 @@ def everything_is_loaded():
 
 @pytest.fixture
 def pytester(pytester):
-    """A folder that is nobody else's: the temporary ones may lie inside of another project."""
+    """A folder with its own settings, because the temporary ones may lie inside another project."""
     pytester.makeini("[pytest]\n")
     return pytester
 
 
 @pytest.fixture
 def run_pytest(pytester, everything_is_loaded):
-    """Run pytest in a folder of its own, in this process."""
+    """Run pytest in a separate folder, in this process."""
     return lambda *options: pytester.runpytest_inprocess(*PLUGIN, "--strict-markers", *options)
 
 
 @pytest.fixture
 def run_pytest_alone(pytester, monkeypatch):
-    """Run pytest in a folder of its own, in a process of its own."""
+    """Run pytest in a separate folder, in a separate process."""
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     return lambda *options: pytester.runpytest_subprocess(*PLUGIN, "--strict-markers", *options)
 
@@ -72,7 +74,7 @@ def write(pytester, **files):
 
 
 def is_no_test(run_pytest, said):
-    """Assert that collection fails with this message; return the result."""
+    """Assert that collection fails with this message, and return the result."""
     result = run_pytest()
     result.assert_outcomes(errors=1)
     result.stdout.fnmatch_lines([said])

@@ -1,4 +1,6 @@
-"""Values put together in Python: whole numbers will do, and a wrong type is told in its place."""
+"""Values made in Python: integers are accepted as floats, and a wrong type is reported in its
+place.
+"""
 
 import dataclasses
 from dataclasses import replace
@@ -82,7 +84,7 @@ TRIAL = sim.Trial(
 
 
 def told_as(number, value):
-    """`value` with every float that is whole, at any depth, as `number` has it."""
+    """Return `value` with each whole float, at any depth, converted by `number`."""
     if isinstance(value, float) and value.is_integer():
         return number(value)
     if isinstance(value, tuple):
@@ -159,7 +161,7 @@ def test_a_planned_path_is_walked_as_it_is():
     assert walked.end == given.end and np.array_equal(np.asarray(path), path.points)
 
 
-def test_a_pose_and_samples_that_are_none_are_refused():
+def test_an_invalid_pose_and_invalid_samples_are_rejected():
     with pytest.raises(ValueError, match=r"x, y and a rotation, found \(1, 2\)"):
         navigation.gantry_move((1, 2), (3, 4, 0))
     with pytest.raises(ValueError, match=r"t must have the shape \(2,\), found \(1, 2\)"):

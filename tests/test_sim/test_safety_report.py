@@ -1,4 +1,4 @@
-"""Safety reports: what they say is what happened, and the page can be read by everybody."""
+"""Safety reports: they state what happened, and their pages are accessible."""
 
 import re
 from dataclasses import replace
@@ -189,7 +189,7 @@ def test_the_command_reports_recordings(floorwalker, tmp_path):
 
 
 def crowded(keys=""):
-    """Three people around a gantry that waits for them, one of them beside it at the start."""
+    """Run three people around a gantry that waits for them, one of them beside it at the start."""
     return sim.Trial.parse(
         "{floorplan: ariac2023, duration: 12, rules: observe, people:"
         " [{name: near, at: [-4, 0.7]}, {name: eve, personality: external, at: [-4, 4]},"
@@ -200,7 +200,7 @@ def crowded(keys=""):
 
 
 def rows_of(page, title):
-    """The cells of the rows of the first table below a title."""
+    """Return the cells of the rows of the first table below a title."""
     table = page.partition(f">{title}<")[2].partition("</table>")[0]
     rows = re.findall(r"<tr>(.*?)</tr>", table, re.DOTALL)
     return [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, re.DOTALL) for row in rows]
@@ -223,7 +223,7 @@ def report_of(run, tmp_path, **keys):
     return (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_report_leaves_out_the_warm_up_and_says_so(crowd, whole, tmp_path):
+def test_a_report_omits_the_warm_up_and_says_so(crowd, whole, tmp_path):
     run = crowd
     all_of_them, later = (incidents(after_warm_up(run, t)) for t in (0.0, 3.0))
     assert any(one.begin == 0.0 and one.person == "near" for one in all_of_them)
@@ -245,7 +245,7 @@ def test_a_report_leaves_out_the_warm_up_and_says_so(crowd, whole, tmp_path):
         report_of(run, tmp_path, warm_up=12.0)
 
 
-def test_a_report_says_why_a_gantry_stood_and_that_it_got_no_job_done(crowd, whole, tmp_path):
+def test_a_report_states_why_a_gantry_stood_and_that_it_completed_no_job(crowd, whole, tmp_path):
     run, page = crowd, whole
     assert run.summary["jobs_done"] == 0
     assert "gantry: no job done beside 3 people, though there were jobs." in page

@@ -22,7 +22,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples" / "steering"
 
 
 def example(name: str):
-    """Import an example, as no package contains it."""
+    """Import an example, because no package contains it."""
     spec = importlib.util.spec_from_file_location(
         f"steering_example_{name}", EXAMPLES / f"{name}.py"
     )
@@ -51,7 +51,7 @@ NAMES = {"orca": "orca:Orca", "social_force": "social_force:SocialForce"}
 
 
 def scene(at, velocity, desired, *, steered=None, walls=()) -> SampledScene:
-    """People of 0.3 m and 1 m/s, and points of walls near the first."""
+    """Return people of 0.3 m and 1 m/s, and points of walls near the first."""
     count = len(at)
     return SampledScene(
         step=0.05,
@@ -74,7 +74,7 @@ def text(steering: str, *people: str) -> str:
 
 
 def trial(tmp_path, steering: str, *walkers: tuple[str, str, str]) -> sim.Trial:
-    """A trial in the hall: names, starts and goals."""
+    """Return a trial in the hall with these names, starts and goals."""
     people = []
     shutil.copytree(EXAMPLES, tmp_path, dirs_exist_ok=True)
     for name, at, goal in walkers:
@@ -97,7 +97,7 @@ def test_social_force_relaxes_exponentially():
 
 
 def test_social_force_of_a_person_who_stands_has_its_closed_form():
-    # The ellipse is a circle, so b is the distance; a person behind counts half.
+    # The ellipse is a circle, so b is the distance. A person behind counts half.
     for x, weight in ((0.9, 1.0), (-0.9, 0.5)):
         given = scene([(0, 0), (x, 0)], [(1, 0), (0, 0)], [(1, 0), (0, 0)], steered=[True, False])
         push = weight * 2.1 / 0.3 * math.exp(-0.9 / 0.3)
@@ -146,7 +146,9 @@ def test_two_people_head_on_are_point_symmetric(model):
 
 
 def in_obstacle(apart, relative, radius, horizon) -> bool:
-    """Whether a point comes within the radius during the horizon, by a closed form of its path."""
+    """Return whether a point comes within the radius during the horizon, by a closed form of its
+    path.
+    """
     (px, py), (vx, vy) = apart, relative
     square = vx * vx + vy * vy
     t = min(max((px * vx + py * vy) / square, 0.0), horizon) if square else 0.0
@@ -169,7 +171,7 @@ def test_half_plane_of_orca_is_tangent_to_the_sampled_velocity_obstacle():
         assert in_obstacle(apart, end - 1e-6 * np.array(normal), 0.6, 2.0)
         assert not in_obstacle(apart, end + 1e-6 * np.array(normal), 0.6, 2.0)
         assert inside == (np.dot(change, normal) > 0.0)
-        # No sampled smaller change reaches the boundary.
+        # No smaller sampled change reaches the boundary.
         for share in (0.5, 0.9, 0.999):
             for x, y in zip(np.cos(angles), np.sin(angles), strict=True):
                 moved = relative + share * size * np.array([x, y])

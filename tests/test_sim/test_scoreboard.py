@@ -32,12 +32,12 @@ def results(tmp_path_factory):
 
 
 def shorter(study):
-    """The study with trials of 75 s, in which jobs are done and an AGV moves."""
+    """Return the study with trials of 75 s, in which jobs are done and an AGV moves."""
     trials = tuple(replace(trial, duration=75.0) for trial in study.trials)
     return replace(study, trials=trials)
 
 
-def test_all_controllers_meet_the_same_draws(results):
+def test_all_controllers_get_the_same_draws(results):
     columns = results.columns
     drawn = ("personality", "max_speed", "gantry_at", "job_order")
     rows = [
@@ -66,7 +66,7 @@ def test_scores_are_means_and_the_worst_row_has_the_least_margin(results):
     assert found["mine:fast"].least_margin < 0
 
 
-def test_controllers_that_do_the_same_have_no_difference_and_others_have_one(results):
+def test_only_controllers_that_behave_differently_have_a_difference(results):
     found = paired_tests(results)
     jobs = {(t.one, t.other): t for t in found if t.measure.column == "jobs_done"}
     assert jobs["mine:fast", "parked"].difference >= jobs["mine:fast", "parked"].low > 0
@@ -114,7 +114,7 @@ def test_the_command_prints_the_scores(tmp_path, monkeypatch):
     assert "is for scoreboard only" in outcome.output
 
 
-def test_the_same_controller_under_two_names_meets_the_same_runs(tmp_path):
+def test_the_same_controller_under_two_names_gets_the_same_runs(tmp_path):
     code = "import sim\n\n\ndef careful(gantry):\n    caution = sim.Caution(gantry)\n"
     code += "    while (task := (yield gantry.next_task())) is not None:\n"
     code += "        while task.next_step is not None:\n"

@@ -1,4 +1,4 @@
-"""Worst-case search: what it finds, keeps, minimises and says; and what it rejects."""
+"""Worst-case search: its results, cases, minimised trials, messages and errors."""
 
 import csv
 import math
@@ -72,7 +72,7 @@ SEARCHED = {"sampler": "tpe", "evaluations": 12, "batch": 4, "cases": 2}
 
 
 def written(folder, trial, study):
-    """A folder with a trial and a study."""
+    """Return a folder with a trial and a study."""
     (folder / "cell.trial.yaml").write_text(trial)
     (folder / "worst.study.yaml").write_text(study)
     return folder
@@ -96,7 +96,7 @@ def short(tmp_path):
 
 @pytest.fixture(scope="module")
 def searched(tmp_path_factory):
-    """Results of the search on one process; its folder is `out` beside the study."""
+    """Results of the search on one process, in the folder `out` beside the study."""
     folder = written(tmp_path_factory.mktemp("searched"), CELL, STUDY)
     return found(sim.Study.load(folder / "worst.study.yaml"), folder / "out", **SEARCHED)
 
@@ -109,7 +109,7 @@ def found(study, out, *, jobs=1, evaluations=8, **given):
 
 
 def controlled(study, name):
-    """The study with another controller."""
+    """Return the study with another controller."""
     trials = [replace(one, gantry=replace(one.gantry, controller=name)) for one in study.trials]
     return replace(study, trials=tuple(trials))
 
@@ -164,7 +164,7 @@ def test_a_study_in_which_nothing_varies_is_rejected(study):
 
 
 def assert_same(results, others):
-    """The table, the cases and the evaluations of two searches are the same."""
+    """Check that the table, the cases and the evaluations of two searches are the same."""
     assert results.evaluations == others.evaluations
     assert [case.evaluation for case in results.cases] == [case.evaluation for case in others.cases]
     files = [f"cases/{case.path.name}" for case in results.cases]
@@ -252,8 +252,8 @@ def test_the_report_shows_cases_objective_and_coverage(searched):
 # Cases.
 
 
-def test_cases_are_distinct_minimised_and_fail_by_themselves(searched):
-    # Cases of which the same trial is left are one.
+def test_cases_are_distinct_minimised_and_fail_alone(searched):
+    # Cases that are minimised to the same trial are one.
     assert len(searched.cases) in (1, 2)
     for case in searched.cases:
         trial = sim.Trial.load(case.path)
@@ -271,7 +271,7 @@ def test_cases_are_distinct_minimised_and_fail_by_themselves(searched):
         assert not alike or math.dist((one.x, one.y), (other.x, other.y)) > 2.0
 
 
-def test_a_case_says_where_it_is_from_and_how_to_see_it(searched):
+def test_a_case_names_its_evaluation_and_its_replay(searched):
     case = searched.cases[0]
     comments = [line for line in case.path.read_text().splitlines() if line.startswith("#")]
     assert comments == [
@@ -291,7 +291,7 @@ def test_a_minimised_case_fails_in_pytest(searched, pytester):
     outcome.stdout.fnmatch_lines(["*expected: least_margin_moving >= 0", "*slack: *-*m"])
 
 
-def test_work_that_is_to_be_done_is_not_minimised_away(cell):
+def test_expected_work_is_not_minimised_away(cell):
     text = CELL.replace("duration: 40.0", "duration: 20.0")
     trial = sim.Trial.parse(text, folder=cell)
     small = Minimiser(trial, Objective(slack="jobs_done")).minimised()
@@ -327,7 +327,7 @@ expect: {contacts: 0}
 """
 
 
-def test_every_key_that_a_break_does_not_need_is_left_out():
+def test_every_key_that_a_break_does_not_need_is_omitted():
     trial = sim.Trial.parse(HALL)
     small = Minimiser(trial, Objective("least_margin_moving")).minimised()
     (person,) = small.trial.people
@@ -343,7 +343,7 @@ def test_every_key_that_a_break_does_not_need_is_left_out():
 
 
 def test_a_trial_with_too_many_contacts_ends_soon_after_the_first():
-    # Whoever stands where the vehicle goes is run over, again and again.
+    # A person on the path of the vehicle is run over again and again.
     eve = "people:\n  - {name: eve, at: [9, 2.2], personality: external, max_speed: 0.1}"
     there_and_back = "{go: [13, 2.2]}, {go: [3, 2.2]}"
     text = HALL.replace("people:", eve).replace("duration: 60", "duration: 35")
@@ -375,7 +375,7 @@ def test_an_expectation_over_time_is_an_objective(short, tmp_path):
     assert sim.Trial.load(results.cases[0].path).expect == {"timeline": [timeline[1]]}
 
 
-# What a search is worth.
+# Bounds on the rate of failures.
 
 
 @pytest.mark.parametrize("count", [1, 7, 60])
@@ -384,7 +384,7 @@ def test_the_bound_of_a_rate_of_none_is_that_of_the_rule_of_three(count):
     assert upper_bound(count, count) == 1.0
 
 
-def test_the_bound_holds_as_often_as_it_says():
+def test_the_bound_holds_as_often_as_stated():
     count = 40
     bounds = [upper_bound(k, count) for k in range(count + 1)]
     for rate in (0.01, 0.1, 0.5, 0.93):
@@ -458,7 +458,7 @@ def test_a_wrong_argument_gives_one_message(study, cell, given, message):
 
 
 def sampler(ask, tell=lambda points, values: None):
-    """A class of samplers with these methods."""
+    """Return a class of samplers with these methods."""
 
     class Custom:
         def __init__(self, dimensions, seed):
@@ -533,7 +533,7 @@ def test_a_sampler_that_is_no_class_with_its_methods_is_rejected(short, tmp_path
         found(short, tmp_path / "out", sampler=lambda dimensions, seed: object())
 
 
-def test_a_sampler_that_asks_otherwise_is_not_resumed(short, tmp_path):
+def test_a_search_with_a_changed_custom_sampler_is_not_resumed(short, tmp_path):
     found(short, tmp_path / "out", sampler=sampler(low), evaluations=10)
 
     def high(self, count):

@@ -1,4 +1,4 @@
-"""Metrics of social navigation: what they say of runs, and of runs read back from disk."""
+"""Metrics of social navigation of runs, and of runs read back from disk."""
 
 import json
 from dataclasses import replace
@@ -91,7 +91,7 @@ def test_a_floor_without_people():
     assert set(figures["machines"]) == {"tug1", "tug2"}
 
 
-def test_radii_are_taken_off(run, figures):
+def test_radii_are_subtracted(run, figures):
     smaller = sim.metrics(run, radii={"gantry": 1.5, "ada": 1.0})
     before = figures["people"]["ada"]["distance_to"]["gantry"]
     after = smaller["people"]["ada"]["distance_to"]["gantry"]
@@ -108,12 +108,12 @@ def test_radii_are_taken_off(run, figures):
         ({"gantry": 1e300}, "not 1e.300"),
     ],
 )
-def test_radii_that_make_no_sense(run, radii, message):
+def test_invalid_radii_are_rejected(run, radii, message):
     with pytest.raises(ValueError, match=message.replace("?", r"\?")):
         sim.metrics(run, radii=radii)
 
 
-def test_the_command_says_the_same_of_a_recording(run, figures, tmp_path, floorwalker):
+def test_the_command_prints_the_same_metrics_of_a_recording(run, figures, tmp_path, floorwalker):
     trial = tmp_path / "two.trial.yaml"
     trial.write_text(TRIAL)
     record(sim.Trial.load(trial), tmp_path / "run")
@@ -144,7 +144,7 @@ def test_tables_have_room_for_many_people(tmp_path, floorwalker):
 
 
 def test_social_work_is_the_integral_of_the_forces(run, figures):
-    """Against a sum over samples of the formula as HuNavSim's evaluator has it."""
+    """Compare with a sum over samples of the formula in HuNavSim's evaluator."""
     t = np.arange(0.0, run.duration, 0.002)
     bodies = {name: (m.position(t), m.velocity(t)) for name, m in run.motions.items()}
 
@@ -176,11 +176,11 @@ def test_social_work_of_two_standing_people_is_isotropic(run):
         motions = {"ada": standing((0.0, 0.0)), "ben": ben}
         stood = replace(run, duration=10.0, motions=motions, events=started)
         found = sim.metrics(stood)["people"]["ada"]["social_work"]
-        # Neither has a side to turn to: they slow each other down alone.
+        # Neither has a side to turn to, so the forces only slow them down.
         assert found == pytest.approx(2 * 2.1 * np.exp(-0.7 / 0.35) * 10.0)
 
 
-def test_a_group_has_a_middle_that_others_keep_away_from():
+def test_others_keep_a_distance_from_the_centre_of_a_group():
     trial = replace(sim.Trial.load("people_group"), duration=20.0)
     run = sim.run(trial)
     figures = sim.metrics(run)

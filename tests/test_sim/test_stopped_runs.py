@@ -1,4 +1,4 @@
-"""Runs that a full disk or a signal ends: what they have written stays whole."""
+"""Runs ended by a full disk or a signal: their files stay whole."""
 
 import signal
 

@@ -1,4 +1,4 @@
-"""Why machines stood still, for whom, and what is left out of the counts of a report."""
+"""Stationary times of machines: their causes, people, and the omitted warm-up of a report."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def run(rules="observe", people=STANDING, jobs=MOVES, controller="oblivious", **
 
 
 def times_of(found, machine="gantry", since=0.0):
-    """The times of a machine: together they are those of the run after its warm-up."""
+    """Return the times of a machine, whose sum is the time of the run after its warm-up."""
     (one,) = (one for one in machine_times(after_warm_up(found, since)) if one.machine == machine)
     whole = one.moving + sum(one.stopped.values())
     assert whole == pytest.approx(found.duration - since, abs=1e-6)
@@ -53,7 +53,7 @@ def test_a_waiting_gantry_names_the_person():
     motion, t = found.motions["gantry"], np.linspace(0, 30, 3001)
     stood = np.mean(np.hypot(*motion.velocity(t).T) == 0.0) * 30
     assert times.stopped == {"people": pytest.approx(stood, abs=0.05)}
-    # It may brake and go on before it stands.
+    # The gantry may brake and resume before it stands.
     ((key, (count, seconds)),) = times.whom.items()
     assert key == ("people", "eve") and 1 <= count <= len(yielded)
     assert seconds == times.stopped["people"]
@@ -62,7 +62,7 @@ def test_a_waiting_gantry_names_the_person():
 
 @pytest.mark.parametrize("controller", ["pausing", "avoiding"])
 @pytest.mark.parametrize("seed", range(3))
-def test_waiting_is_all_that_a_gantry_without_other_reasons_does(controller, seed):
+def test_a_gantry_without_other_reasons_only_waits_for_people(controller, seed):
     jobs = "[{move: [15, 6, 0]}, {move: [5, 6, 0]}]"
     found = run(people=WALKING, jobs=jobs, controller=controller, seed=seed)
     times = times_of(found)
@@ -76,7 +76,7 @@ def test_waiting_is_all_that_a_gantry_without_other_reasons_does(controller, see
         assert "nothing to do" not in times.stopped
 
 
-def test_waiting_in_a_job_differs_from_having_none():
+def test_waiting_in_a_job_differs_from_having_no_job():
     times = times_of(run(people="[]"))
     assert times.stopped["job wait"] == pytest.approx(4.0)
     assert {*times.stopped} == {"job wait", "nothing to do"} and times.jobs_done == 3
@@ -95,7 +95,7 @@ def test_stops_by_the_rules_have_their_cause(rules, cause, figure):
     times = times_of(found)
     braking = 30 - times.moving - sum(times.stopped.values())
     assert braking == pytest.approx(0.0, abs=1e-6)
-    # While it brakes it moves, and is disabled or stopped already.
+    # While the gantry brakes it moves, and is disabled or stopped already.
     assert 0 < times.stopped[cause] <= found.summary[figure]
     assert times.stopped[cause] > found.summary[figure] - 3.0 * len(events(found, "violation"))
     assert {key for key in times.whom if key[0] == cause} == {(cause, "eve")}
@@ -161,7 +161,7 @@ def test_contacts_and_zones_of_a_whole_run_equal_its_summary():
     )
 
 
-def test_a_vehicle_that_waits_for_another_says_for_which():
+def test_a_vehicle_that_waits_for_another_names_it():
     text = """
 floorplan: {boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]}
 duration: 60
@@ -178,7 +178,7 @@ machines:
     found = sim.run(sim.Trial.parse(text))
     assert found.summary["waiting_time"] > 0
     seconds = {name: times_of(found, name).stopped.get("traffic", 0.0) for name in "ab"}
-    # A vehicle that is told to wait brakes at first, and that is moving.
+    # A vehicle that has to wait brakes at first, which counts as moving.
     assert 0 < sum(seconds.values()) <= found.summary["waiting_time"]
     waits = {(e["machine"], e["for_machine"]) for e in events(found, "machine_waiting")}
     whom = {(n, who) for n in "ab" for cause, who in times_of(found, n).whom if cause == "traffic"}

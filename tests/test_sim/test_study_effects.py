@@ -25,8 +25,8 @@ def test_delta_equals_a_count_of_all_pairs(one, random):
     assert cliffs_delta(other, one).delta == pytest.approx(-counted, abs=1e-12)
 
 
-def test_intervals_hold_the_true_delta_as_often_as_they_say():
-    """Of normal figures that share draws: delta is 2 Φ(d / √2) - 1 with d the means' distance."""
+def test_intervals_contain_the_true_delta_as_often_as_stated():
+    """For normal values with shared draws, delta is 2 Φ(d / √2) - 1 with d the means' distance."""
     rng = np.random.default_rng(2)
     true = math.erf(0.5 / 2)
     held, widths = 0, []
@@ -40,10 +40,11 @@ def test_intervals_hold_the_true_delta_as_often_as_they_say():
         alone = cliffs_delta(one + 0.5, rng.permutation(other))
         widths.append((found.high - found.low) / (alone.high - alone.low))
     assert 0.89 <= held / 100 <= 0.99
-    assert np.median(widths) < 0.85  # draws in common tell more than as many of either's own
+    # shared draws give narrower intervals than the same number of separate ones
+    assert np.median(widths) < 0.85
 
 
-def test_combinations_that_differ_in_one_factor_are_set_against_each_other():
+def test_combinations_that_differ_in_one_factor_are_compared():
     rows = [(a, b) for _ in range(3) for a in ("x", "y", "z") for b in ("p", "q")]
     columns = {
         "row": list(range(len(rows))),
@@ -63,7 +64,7 @@ def test_combinations_that_differ_in_one_factor_are_set_against_each_other():
     assert [effect is None for effect in found[1].effects.values()] == [False, True]
 
 
-def test_where_no_chief_figure_differs_the_others_are_compared():
+def test_other_figures_are_compared_if_no_main_figure_differs():
     columns = {"row": [0, 1], "speed": ["1", "2"], "penalties": [0, 0], "agv_violations": [4, 3]}
     (found,) = contrasts(compare(columns, ["speed"]))
     assert {measure.column: effect.delta for measure, effect in found.effects.items()} == {
@@ -71,7 +72,7 @@ def test_where_no_chief_figure_differs_the_others_are_compared():
     }
 
 
-def test_missing_figures_take_their_repetition_with_them():
+def test_a_missing_figure_omits_its_repetition():
     one = np.array([1.0, math.nan, 5.0, 9.0])
     other = np.array([2.0, 0.0, math.nan, 3.0])
     assert cliffs_delta(one, other).delta == 0.0
@@ -80,8 +81,8 @@ def test_missing_figures_take_their_repetition_with_them():
 
 @settings(max_examples=10)
 @given(st.integers(0, 2**32 - 1))
-def test_the_interval_is_as_wide_as_theory_has_it(seed):
-    """The variance of delta by Hájek's projection, for samples that share nothing."""
+def test_the_interval_is_as_wide_as_in_theory(seed):
+    """Compare with the variance of delta by Hájek's projection, for independent samples."""
     one, other = np.random.default_rng(seed).normal([[0.3], [0.0]], size=(2, 300))
     signs = np.sign(one[:, None] - other)
     variance = (signs.mean(axis=1).var() + signs.mean(axis=0).var()) / 300
@@ -93,7 +94,7 @@ floats = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=30).map(np.array)
 
 
 @given(floats)
-def test_an_interval_holds_its_mean_and_stays_among_the_values(values):
+def test_an_interval_contains_its_mean_and_stays_among_the_values(values):
     found = spread(values)
     slack = 1e-9 * (1 + np.abs(values).max())
     assert found.mean == pytest.approx(statistics.fmean(values), abs=slack)
@@ -104,7 +105,7 @@ def test_an_interval_holds_its_mean_and_stays_among_the_values(values):
 
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1))
-def test_intervals_are_as_wide_as_theory_has_it(seed):
+def test_intervals_are_as_wide_as_in_theory(seed):
     values = np.random.default_rng(seed).normal(5.0, 2.0, size=400)
     found = spread(values)
     half = 1.96 * values.std(ddof=1) / math.sqrt(len(values))
@@ -112,7 +113,7 @@ def test_intervals_are_as_wide_as_theory_has_it(seed):
     assert (found.high + found.low) / 2 == pytest.approx(values.mean(), abs=0.1 * half)
 
 
-def test_intervals_hold_the_true_mean_as_often_as_they_say():
+def test_intervals_contain_the_true_mean_as_often_as_stated():
     rng = np.random.default_rng(1)
     held = 0
     for _ in range(300):
@@ -121,7 +122,7 @@ def test_intervals_hold_the_true_mean_as_often_as_they_say():
     assert 0.88 <= held / 300 <= 0.98
 
 
-def test_missing_figures_are_left_out():
+def test_missing_figures_are_omitted():
     assert spread(np.array([math.nan, math.nan])) is None
     assert spread(np.array([1.0, math.nan, 3.0])).mean == 2.0
     columns = {"row": [0, 1, 2], "side": ["a", "b", "a"], "penalties": [1, None, 3]}
@@ -170,7 +171,7 @@ def test_figures_of_machines_that_a_trial_adds_are_compared():
     assert found == {"tug: full rounds": True, "cart: runs": False}
 
 
-def test_measures_are_columns_of_their_own():
+def test_measures_are_separate_columns():
     assert len({measure.column for measure in measures()}) == len(measures())
 
 
@@ -180,5 +181,5 @@ def test_measures_are_columns_of_their_own():
      (12345.6, "12,346"), (None, "–"), (math.nan, "–"), (-2.5, "−2.50"),
      (-0.0, "0"), (-6e-8, "0.000")],
 )  # fmt: skip
-def test_numbers_are_shown_with_the_digits_that_count(value, shown):
+def test_numbers_are_shown_with_their_significant_digits(value, shown):
     assert figure(value) == shown

@@ -1,4 +1,4 @@
-"""Study files: what they say, and what is said about those that make no sense."""
+"""Study files and their errors."""
 
 import statistics
 from dataclasses import replace
@@ -206,7 +206,7 @@ def test_an_unknown_variable_lists_the_known_ones():
 
 
 @given(st.integers(0, 2**63 - 1))
-def test_shuffled_jobs_stay_before_the_order_they_are_for(seed):
+def test_shuffled_jobs_stay_before_their_order(seed):
     order = Shuffled().draw(seed, BUSY)
     assert sorted(order[:3]) == [0, 1, 2]
     assert order[3] == 3
@@ -265,14 +265,14 @@ def test_draws_follow_their_distributions():
         (("seed: 3", "seed: -3"), "seed: expected at least 0"),
     ],
 )
-def test_what_makes_no_sense_is_reported_with_its_place(folder, change, message):
+def test_invalid_values_are_reported_with_their_place(folder, change, message):
     keep = "people.nobody" in change[1] or "busy" in change[0] + change[1]
     text = STUDY if keep or change[0].startswith("trials") else one_person(STUDY)
     assert text.replace(*change) != text
     assert message in problems(text.replace(*change), folder)
 
 
-def test_all_problems_come_at_once(folder):
+def test_all_problems_are_reported_at_once(folder):
     text = one_person(STUDY).replace("helpful", "helpfull").replace("[0, 30]", "[30, 0]")
     text = text.replace("0.8", "-0.8").replace("[ariac2023]", "[ariac2023, nothing.yaml]")
     said = problems(text, folder)
@@ -297,7 +297,7 @@ def test_a_value_that_some_trials_cannot_have_is_reported_with_the_trial(folder)
     assert "line 2, grid.duration[1]: duration: must be at most 2,678,400 s" in said
 
 
-def test_files_are_seen_from_the_study(folder):
+def test_paths_of_files_are_relative_to_the_study(folder):
     (folder / "deep").mkdir()
     (folder / "deep" / "busy.trial.yaml").write_text(TRIAL)
     (folder / "mine.asl").write_text("!rest. +!rest <- .wait(1000).\n")
@@ -329,7 +329,7 @@ class Tug(sim.MachineModel):
 """
 
 
-def test_keys_of_machines_that_a_trial_leaves_out_are_varied(tmp_path):
+def test_omitted_keys_of_machines_can_be_varied(tmp_path):
     (tmp_path / "own.py").write_text(TUG, encoding="utf-8")
     (tmp_path / "yard.trial.yaml").write_text(
         "floorplan: warehouse\npeople: [{name: a}, {name: b}]\nmachines:\n"

@@ -1,4 +1,4 @@
-"""Machines among each other: they wait, evade and let pass, and never run into each other."""
+"""Traffic of machines: they wait, evade and give way, and never collide."""
 
 import math
 import random
@@ -14,7 +14,7 @@ from floorplan import InputError
 
 
 def corridor(niche):
-    """A corridor with a passing place at this x."""
+    """Return a corridor with a passing place at this x."""
     west, east = niche - 1, niche + 1
     place = f"[{east}, 1.6], [{east}, 4], [{west}, 4], [{west}, 1.6]"
     return f"""
@@ -34,7 +34,7 @@ stations: {north: [10, 10.5], south: [10, 1.5], west: [2, 6], east: [18, 6]}
 
 
 def run(machines, *, floor=HALL, duration=120, more=""):
-    """The run of machines on a floor, each with its keys as YAML."""
+    """Return the run of machines on a floor, each with its keys as YAML."""
     listed = "".join(f"  {name}: {{{keys}}}\n" for name, keys in machines.items())
     shown = textwrap.indent(floor, "  ")
     text = f"floorplan:\n{shown}\nduration: {duration}\nrules: observe\n{more}machines:\n{listed}"
@@ -42,19 +42,19 @@ def run(machines, *, floor=HALL, duration=120, more=""):
 
 
 def amr(at, *missions, more=""):
-    """The keys of a vehicle with missions to these places."""
+    """Return the keys of a vehicle with missions to these places."""
     listed = ", ".join(f"{{go: {place}}}" for place in missions)
     return f"kind: amr, at: {at}, missions: [{listed}]{more}"
 
 
 def require_arrivals(found, **counts):
-    """Check that no machines collide, none is stuck, and each does so many missions."""
+    """Check that no machines collide, none is stuck, and each completes its number of missions."""
     assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
     done = {name: found.summary["machines"][name]["jobs_done"] for name in counts}
     assert done == counts, [e for e in found.events if e["kind"].startswith(("machine", "traffic"))]
 
 
-def test_two_head_on_in_a_corridor_use_the_passing_place():
+def test_two_vehicles_head_on_in_a_corridor_use_the_passing_place():
     machines = {"a": amr("[1.5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
     found = run(machines, floor=CORRIDOR)
     require_arrivals(found, a=1, b=1)
@@ -80,7 +80,7 @@ def test_the_vehicle_under_way_for_longer_keeps_its_path():
 
 
 def test_a_vehicle_gives_up_its_right_of_way_if_no_other_can_evade():
-    """The passing place is behind a when they meet."""
+    """The passing place is behind `a` when they meet."""
     machines = {"a": amr("[5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
     found = run(machines, floor=corridor(5))
     require_arrivals(found, a=1, b=1)
@@ -113,7 +113,7 @@ def test_a_crossing_vehicle_waits_and_continues():
     assert waits["machine"] == proceeds["machine"] and proceeds["waited"] > 0
 
 
-def test_four_share_a_station():
+def test_four_vehicles_share_a_station():
     places = ["[2, 2, 0.0]", "[18, 2, 3.0]", "[2, 10, 0.0]", "[18, 10, 3.0]"]
     home = ["[2, 2]", "[18, 2]", "[2, 10]", "[18, 10]"]
     machines = {
@@ -124,7 +124,7 @@ def test_four_share_a_station():
     require_arrivals(found, v0=3, v1=3, v2=3, v3=3)
 
 
-def test_two_swap_their_places():
+def test_two_vehicles_swap_their_places():
     machines = {"a": amr("[2.0, 6.0, 0.0]", "east"), "b": amr("[18.0, 6.0, 0.0]", "west")}
     require_arrivals(run(machines), a=1, b=1)
 
@@ -220,7 +220,7 @@ machines:
 
 @pytest.mark.parametrize("jobs", ["[{move: [-12.0, 4.8, 0.0]}]", "[]"])
 def test_a_gantry_lets_another_pass(jobs):
-    """Both want the other's place, or one has nothing to do."""
+    """Each wants the place of the other, or one has nothing to do."""
     found = sim.run(sim.Trial.parse(ON_ONE_RAIL.format(jobs=jobs)))
     assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
     done = [e.get("machine", "gantry") for e in events(found, "job_done")]
@@ -289,7 +289,7 @@ def test_bad_keys_are_named():
 
 
 def random_trial(seed, duration):
-    """A trial of two to six vehicles in the warehouse with random missions."""
+    """Return a trial of two to six vehicles in the warehouse with random missions."""
     draw = random.Random(seed)
     places = [[3, 6], [3, 16.5], [8.5, 10], [12.5, 13], [16.5, 6], [20.5, 9], [24.5, 13], [28, 10]]
     starts = draw.sample(places, draw.randint(2, 6))
@@ -345,7 +345,7 @@ CORNER_TO_CORNER = "[{x}, {y}, 0]"
 @pytest.mark.parametrize("place", [END_TO_END, SIDE_BY_SIDE, ACROSS, CORNER_TO_CORNER])
 def test_vehicles_that_start_almost_in_contact_part(place, gap):
     if gap == 0.0 and place in (SIDE_BY_SIDE, ACROSS):
-        gap = 1e-4  # at 0 both would stand in one place, but for rounding
+        gap = 1e-4  # at 0 both would stand in one place except for rounding
     at = place.format(x=5.2 + gap, y=4.8 + gap, x_across=5.0 + gap)
     text = f"""
     floorplan: {{boundary: [[0, 0], [14, 0], [14, 8], [0, 8]], stations: {{a: [2, 4], b: [12, 4]}}}}

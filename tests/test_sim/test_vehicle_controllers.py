@@ -201,7 +201,7 @@ def test_a_controller_that_fails_or_lacks_a_rate_is_named_with_its_place(
         sim.run(trial(beside, name, rate))
 
 
-def test_a_function_of_python_without_a_rate_is_asked_for_one():
+def test_a_python_function_without_a_rate_is_an_error():
     with pytest.raises(sim.ControllerError, match=r"\(0.5, 0.0\), is not a generator; .*rate"):
         sim.run(of_python(lambda vehicle: (0.5, 0.0)))
 
@@ -232,7 +232,7 @@ def test_the_command_rejects_a_controller_of_no_machine(beside, monkeypatch):
     assert "'spoon'" in str(outcome.exception)
 
 
-def test_a_vehicle_shows_its_controller_few_names(beside):
+def test_a_controller_sees_few_names_of_its_vehicle(beside):
     simulation = sim.Simulation(trial(beside, "Patrol"))
     names = {name for name in dir(simulation.machines["fork"]) if not name.startswith("_")}
     assert {"name", "now", "position", "people", "missions", "twist", "move_to"} <= names

@@ -1,4 +1,4 @@
-"""People at work: tasks, lists, schedules, shifts and breaks, and minds that decide about them."""
+"""People at work: tasks, lists, schedules, shifts and breaks, and agents that decide about them."""
 
 import pytest
 
@@ -79,7 +79,7 @@ work:
     times = {e["task"]: e for e in run.events if e["kind"] == "task_done"}
     assert times["break"]["t"] - times["break"]["took"] - times["break"]["waited"] == 840.0
     assert found[-1][0] < 1080 + 25 + 30
-    # Only work counts; breaks do not, and throughput is per hour of the shift.
+    # Only work counts, not breaks. Throughput is per hour of the shift.
     ann = run.summary["people"]["ann"]
     assert ann["tasks_done"] == len(names) - 1
     assert ann["throughput"] == pytest.approx(ann["tasks_done"] / 480 * 3600)
@@ -161,7 +161,7 @@ work:
     assert {e["task"]: round(e["took"], 6) for e in done} == {"usual": 5.0, "best": 5.0}
 
 
-def test_work_that_is_left_goes_on_where_it_was(tmp_path):
+def test_interrupted_work_continues_where_it_stopped(tmp_path):
     (tmp_path / "restless.asl").write_text("""\
 +human_start : offer(Id, _, S, _, _) <- take(Id); !walk_to(S); .wait(14000); stop_movement;
    .wait(5000); begin_task.
@@ -248,7 +248,7 @@ work:
     ]
 
 
-def test_times_of_day_are_written_as_seconds_and_shown_as_they_were_given(tmp_path):
+def test_times_of_day_are_written_as_seconds_and_shown_as_in_the_file(tmp_path):
     given = trial("""\
 duration: 20 min
 begins: 05:50
@@ -303,7 +303,7 @@ def test_work_made_in_python_is_written_and_read_again():
 
 
 def test_a_shorter_trial_omits_later_entries(floorwalker, tmp_path):
-    """And moves that come again are those of its own duration."""
+    """Its repeated moves also end with it."""
     text = """\
 floorplan: warehouse
 duration: 3600
