@@ -39,7 +39,7 @@ ROOMS = (
     ("commands",),
     ("cli", "pytest_plugin"),
 )
-"""The rooms of `sim`: each imports from those above it alone."""
+"""The rooms of `sim`. Each imports only from rooms above it."""
 
 
 OF_THE_LIBRARY = {
@@ -67,7 +67,7 @@ OF_THE_LIBRARY = {
     },
     "bdi": {"actions", "language", "reasoning"},
 }
-"""The inner modules of each package that others import; everything else goes by public names."""
+"""Inner modules of each package that others import. They use public names otherwise."""
 
 
 def sources(package):

@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"(?P<before>[^\n]*\n(?:[^\n]*\n)?)\n?```(?P<kind>\w+)\n(?P<text>.*?)```", re.S)
 NEEDS_PYTHON = {"pedpy": (3, 11)}
-"""Imports of examples that can't be installed with every Python."""
+"""Imports of examples that cannot be installed with every Python."""
 SHOWN = ("yaml", "python", "agentspeak", "asl")
 """Kinds of blocks that may be files."""
 DOTTED = re.compile(r"(?<![\w./-])(?:sim|bdi|floorplan|navigation)(?:\.[A-Za-z_]\w*)+")
@@ -160,7 +160,7 @@ REFERENCE = {
     StudyKeys: ("studies.md", "search.md"),
 }
 WRITTEN_ONLY = {RuleForm: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream", "number"}}
-"""Keys that stand for a text, or that only `to_yaml` writes."""
+"""Keys that replace a text, or that only `to_yaml` writes."""
 
 
 @pytest.mark.parametrize("model", REFERENCE, ids=lambda model: model.__name__)
@@ -211,7 +211,7 @@ def test_every_study_in_the_examples_can_be_run():
 
 
 LONG = ("traffic.trial.yaml", "vehicles.trial.yaml")
-"""Examples that take seconds, because several vehicles plan their paths among each other."""
+"""Examples that take seconds, because several vehicles plan paths around each other."""
 
 
 @pytest.mark.parametrize(

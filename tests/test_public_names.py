@@ -221,7 +221,7 @@ SAMPLES = {
         *(navigation.VehicleLimits(), FIELDS, FIELDS.sets[0], navigation.FieldSupplements()),
     ],
 }
-"""Values to copy, which are compared by what they hold."""
+"""Values to copy, which are compared by their contents."""
 
 COPIES = {
     "deepcopy": copy.deepcopy,

@@ -48,7 +48,7 @@ VEHICLES = (
 TOUCH = FixedDistance(1e-6)
 
 LATER = 1e-6
-"""Seconds. Instants of events are rounded to less."""
+"""s. Times of events are rounded to less."""
 
 MOVES = 1e-3
 """m/s. A person who is slower stands."""

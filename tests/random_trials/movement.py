@@ -7,25 +7,25 @@ import numpy as np
 import shapely
 
 CLEARANCE = 1e-4
-"""Metres. So much closer than their radius people may be to what never moves, from rounding."""
+"""Distance by which people may be closer than their radius to fixed obstacles (m)."""
 
 JUMP = 1e-6
-"""Metres. What is no farther apart than this is one place."""
+"""m. Positions no farther apart are one place."""
 
 ROUNDING = 1e-6
-"""Metres, or m/s. What figures may be off by."""
+"""Maximum error of values (m or m/s)."""
 
 STANDS = 5e-3
-"""m/s. Who is no faster than this may turn as they like."""
+"""m/s. A slower person may turn freely."""
 
 STRAIGHT = 1e-4
-"""Radians. A smaller turn is none."""
+"""rad. A smaller turn is none."""
 
 SHARE = 1e-4
-"""Speeds and accelerations may be over a limit by this share of it."""
+"""Share of a limit by which speeds and accelerations may exceed it."""
 
 STEP = 0.02
-"""Seconds. How finely motions are sampled, besides the ends of their pieces."""
+"""Time between samples, in addition to the ends of pieces (s)."""
 
 
 def movement_faults(run):

@@ -16,7 +16,7 @@ RATE = 200.0
 """Hz."""
 
 STRIDE = 10
-"""Samples between those of which accelerations and jerks are differences."""
+"""Distance of the samples whose differences are accelerations and jerks."""
 
 DEEP = 2e-3
 """Metres. Less than this is no overlap."""
@@ -25,7 +25,7 @@ MOVES = 1e-3
 """m/s and rad/s. A body that is slower is at rest."""
 
 NEAR = 3.0 / RATE
-"""Seconds between an instant of an event and its samples."""
+"""Maximum time between an event and its samples (s)."""
 
 PATHS = ("oblivious", "pausing", "avoiding", "parked")
 """Controllers that plan paths, which lead through nothing."""

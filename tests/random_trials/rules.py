@@ -13,17 +13,17 @@ from .movement import instants, state_of
 from .separation import measured_point, pose_before
 
 INSTANT = 1e-8
-"""Seconds. Times in events are rounded: what is no farther apart may be at once."""
+"""s. Times in events are rounded, so those no farther apart may be equal."""
 
 FIGURE = 1e-5
-"""Metres or m/s. What figures in events may be off by."""
+"""Maximum error of values in events (m or m/s)."""
 
 REACH = 1.25
-"""Metres. So near to a station somebody may have arrived, if another keeps them from it."""
+"""Distance to a station at which a person blocked by another has arrived (m)."""
 
 
 SOON = 6.0
-"""Seconds. People may be committed to walk over a place that they can reach by then."""
+"""s. People may be committed to walk over any place that they can reach by then."""
 
 
 def rule_faults(run):
@@ -323,7 +323,7 @@ def _top_speed(run, person):
 
 
 ANNOUNCED = 10.0
-"""Seconds before an AGV sets out at which people reckon with it."""
+"""Time before the start of an AGV from which people take it into account (s)."""
 
 
 def _beside_home_faults(run, event, home, radius):

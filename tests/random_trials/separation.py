@@ -12,19 +12,19 @@ from navigation import Moving, TooClose, when
 from .movement import sampled, state_of
 
 STEP = 0.01
-"""Seconds. How finely motions are sampled."""
+"""Time between samples (s)."""
 
 SLACK = 1e-6
-"""Metres. How far a distance may be from where it counts as too close, for rounding."""
+"""Maximum error of a distance compared with the required one, from rounding (m)."""
 
 LOOSE = 0.03
-"""Metres. The same where the requirement is known from a curve only."""
+"""Maximum error if the required distance comes from a curve (m)."""
 
 RESOLUTION = 1e-6
-"""Seconds. Intervals that last no longer than this are none, nor are such gaps between two."""
+"""s. Shorter intervals, and shorter gaps between intervals, are ignored."""
 
 AGV_STANDS = 0.01
-"""m/s. An AGV that is no faster never counts."""
+"""m/s. A slower AGV never counts."""
 
 
 def separation_faults(run):

@@ -26,7 +26,7 @@ LAWS = (
     navigation.IntegralLaw(t1=0.5, t2=0.5, intrusion=0.8),
     navigation.ApproachLaw(time=1.0, intrusion=0.5),
 )
-"""Laws besides those of the rule sets."""
+"""Laws in addition to those of the rule sets."""
 
 
 def random_trial(number):

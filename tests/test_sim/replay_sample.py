@@ -31,7 +31,7 @@ PATROL = {
     "station3": [(-5.0, -3.75)],
 }
 AGAIN = {"station4": [(-6.4, -4.3), (-9.0, -4.3), (-10.8, -3.75)]}
-"""The ways of the second round and later, where they differ."""
+"""Paths of the second and later rounds, if they differ."""
 
 AGV_MOVES = {
     "agv1": [(75.0, "assembly_front"), (180.0, "kitting")],

@@ -68,7 +68,7 @@ seed: 4
 """
 
 SEARCHED = {"sampler": "tpe", "evaluations": 12, "batch": 4, "cases": 2}
-"""The search of the study that several tests look at."""
+"""Options of the search that several tests use."""
 
 
 def written(folder, trial, study):

@@ -6,7 +6,7 @@ import threading
 import time
 
 HANG = 300.0
-"""Seconds. What takes longer hangs, however busy the machine is."""
+"""s. A longer wait is a hang, even on a busy machine."""
 
 
 def until(holds, process=None, told=lambda: ""):
