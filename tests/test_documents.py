@@ -167,8 +167,8 @@ WRITTEN_ONLY = {RuleForm: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream",
 def test_the_reference_has_every_key(model):
     text = "".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in REFERENCE[model])
     names = {*keys(model)} - WRITTEN_ONLY.get(model, set())
-    told = r"`([\w.]+\.)?{0}[`:]|\b{0}:|(?m:^#+ .*\b{0}\b)"
-    missing = {name for name in names if not re.search(told.format(name), text)}
+    mention = r"`([\w.]+\.)?{0}[`:]|\b{0}:|(?m:^#+ .*\b{0}\b)"
+    missing = {name for name in names if not re.search(mention.format(name), text)}
     assert missing == set()
 
 
@@ -188,8 +188,8 @@ def test_the_reference_marks_the_required_keys_of_machines():
     for key in ("agvs", "gantry"):
         (part,) = forms(dict(form_keys(FloorplanSchema))[key])
         needed = {f"{key}.{name}" for name in required(part)}
-        told = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
-        assert told == needed
+        mentioned = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
+        assert mentioned == needed
 
 
 def test_links_lead_somewhere():

@@ -81,8 +81,8 @@ class _Chords(NamedTuple):
 
     def within(self, begin, end):
         """Return the chords that end after `begin` and begin before `end` (s)."""
-        kept = (self.end > begin) & (self.begin < end)
-        return _Chords(*(values[kept] for values in self))
+        overlaps = (self.end > begin) & (self.begin < end)
+        return _Chords(*(values[overlaps] for values in self))
 
 
 def _pieces(run, name):

@@ -175,9 +175,9 @@ def _clearance_faults(plan, motion, radius):
     places = np.stack(sampled(motion, times, piece)[:2], axis=1)
     same = piece[1:] == piece[:-1]
     segments = np.stack([places[:-1], places[1:]], axis=1)[same]
-    kept, first = np.unique(np.round(segments, 9), axis=0, return_index=True)
-    lines, times = shapely.linestrings(kept), times[:-1][same]
-    inside = shapely.contains_xy(plan.boundary, kept[:, 0, 0], kept[:, 0, 1])
+    distinct, first = np.unique(np.round(segments, 9), axis=0, return_index=True)
+    lines, times = shapely.linestrings(distinct), times[:-1][same]
+    inside = shapely.contains_xy(plan.boundary, distinct[:, 0, 0], distinct[:, 0, 1])
     for index in np.flatnonzero(shapely.dwithin(solid, lines, radius - CLEARANCE) | ~inside)[:3]:
         gap = shapely.distance(solid, lines[index])
         t = times[first[index]]

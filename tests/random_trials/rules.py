@@ -65,9 +65,9 @@ def _violation_faults(run):
         ]
         poses = [pose_before(run, person, t), *((at, 0.0) for at in puts)]
         wanted = [event[name] for name in ("distance", "human_speed", "robot_speed")]
-        found = [(math.dist(at, point), human, robot) for at, human in poses]
-        if not any(np.allclose(wanted, figures, rtol=0, atol=FIGURE) for figures in found):
-            yield f"it was {found}: {event}"
+        measured = [(math.dist(at, point), human, robot) for at, human in poses]
+        if not any(np.allclose(wanted, figures, rtol=0, atol=FIGURE) for figures in measured):
+            yield f"it was {measured}: {event}"
         if event["distance"] > event["required"] + FIGURE:
             yield f"a violation without need: {event}"
         if robot > FIGURE and event["cause"] == "person":
@@ -182,7 +182,9 @@ def _standing_faults(run):
     ):
         yield f"the gantry is enabled at {enabled}, and should be at {due}"
     standing = [("gantry", *interval) for interval in _disabled(run)]
-    standing += [(name, *interval) for name, found in _stops(run).items() for interval in found]
+    standing += [
+        (name, *interval) for name, intervals in _stops(run).items() for interval in intervals
+    ]
     for machine, begin, end in standing:
         if machine == "gantry":
             # Reduce the acceleration to zero, brake, and reduce the deceleration to zero.
@@ -235,7 +237,7 @@ def _figure_faults(run):
         yield f"the summary says {summary['violations']}, of {len(with_gantry)} with the gantry"
     times = {
         "gantry_disabled_time": [(a, min(b, run.duration)) for a, b in _disabled(run)],
-        "protective_stop_time": [i for found in _stops(run).values() for i in found],
+        "protective_stop_time": [i for stops in _stops(run).values() for i in stops],
     }
     for name, intervals in times.items():
         seconds = sum(b - a for a, b in intervals)
