@@ -255,9 +255,9 @@ def test_a_rate_that_is_too_high_is_an_error(beside):
     ],
 )
 def test_invalid_keys_are_errors_before_the_run(entry, field, message):
-    found = problems(f"floorplan: warehouse\nmachines:\n  one: {{kind: amr, {entry}}}\n")
-    assert len(found) == 1
-    assert found[0][0] == f"machines.one.{field}" and message in found[0][1]
+    reported = problems(f"floorplan: warehouse\nmachines:\n  one: {{kind: amr, {entry}}}\n")
+    assert len(reported) == 1
+    assert reported[0][0] == f"machines.one.{field}" and message in reported[0][1]
 
 
 def test_two_vehicles_in_one_place_are_an_error():

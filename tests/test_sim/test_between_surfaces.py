@@ -142,8 +142,8 @@ def test_least_distances_and_margins_are_those_of_dense_sampling():
         begin = run.summary["people"][person]["started"]
         t = np.arange(begin, run.duration, STEP)
         distance, _, _ = sampled(run, person, machine, t)
-        found = run.summary["people"][person]["minimum_separation"]["distance"]
-        assert distance.min() - 0.03 <= found <= distance.min() + 3e-5
+        recorded = run.summary["people"][person]["minimum_separation"]["distance"]
+        assert distance.min() - 0.03 <= recorded <= distance.min() + 3e-5
         margins[person] = float((distance - run.required(person, machine, t)).min())
     assert run.summary["least_margin"]["value"] <= min(margins.values()) + 3e-5
     least = run.summary["least_margin"]
@@ -230,8 +230,8 @@ def test_recordings_and_trials_keep_where_distances_are_measured(tmp_path):
     worked_out = sim.load_run(folder).violations
     for pair, spans in run.violations.items():
         lasting = [span for span in spans if span[1] - span[0] > 1e-6]
-        found = [span for span in worked_out[pair] if span[1] - span[0] > 1e-6]
-        assert np.array(found) == pytest.approx(np.array(lasting), abs=1e-6)
+        loaded = [span for span in worked_out[pair] if span[1] - span[0] > 1e-6]
+        assert np.array(loaded) == pytest.approx(np.array(lasting), abs=1e-6)
     run.trial.save(tmp_path / "again.yaml")
     written = yaml.safe_load((tmp_path / "again.yaml").read_text())
     assert written["rules"]["between"] == "surfaces"

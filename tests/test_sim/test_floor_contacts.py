@@ -189,9 +189,9 @@ def test_a_holonomic_vehicle_slides_along_a_wall(drive):
 def test_contacts_use_the_exact_footprint(drive, controller, at, footprint, end):
     keys = {"footprint": footprint} if footprint else {}
     run = drive(controller, at=at, **keys)
-    found = events(run, "contact")
+    contacts = events(run, "contact")
     if end is None:
-        assert found == []
+        assert contacts == []
     else:
         assert run.motions["amr"].state(30.0).at[0] == pytest.approx(end, abs=2e-6)
 

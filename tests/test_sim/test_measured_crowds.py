@@ -107,8 +107,8 @@ def test_a_crowd_is_recorded_and_exported_only_while_tracked(crowd, tmp_path):
         entry = f"[{{name: p, recorded: {{file: {file}, everybody: true}}}}]"
         again = run_of(tmp_path, entry)
         ends = [t for span in run.stays["p7"] for t in span]
-        found = again.stays.get("p_p7") or again.stays[name]
-        assert [t for span in found for t in span] == pytest.approx(ends, abs=0.11)
+        stays = again.stays.get("p_p7") or again.stays[name]
+        assert [t for span in stays for t in span] == pytest.approx(ends, abs=0.11)
 
 
 def test_people_created_in_python_may_be_a_whole_crowd(crowd):

@@ -172,13 +172,13 @@ def test_agents_are_inspected_only_on_request(tmp_path):
     assert [json.loads(line) for line in lines] == list(run.thoughts)
     assert sim.load_run(tmp_path / "run").thoughts == run.thoughts
     arrivals = [event["t"] for event in events(run, "arrived")]
-    told = [
+    arrived = [
         thought["t"]
         for thought in run.thoughts
         if any(step[1].startswith("+work_completed") for step in thought.get("steps", ()))
     ]
-    assert [t for t in told if t in arrivals]
-    assert set(told) <= set(arrivals)
+    assert [t for t in arrived if t in arrivals]
+    assert set(arrived) <= set(arrivals)
 
 
 def test_inspecting_agents_changes_no_result(tmp_path):
@@ -233,16 +233,16 @@ def test_live_beliefs_are_those_of_the_time_of_the_query(tmp_path_factory, every
 
 
 def test_an_agent_without_belief_queries_computes_no_live_beliefs(monkeypatch):
-    asked = []
+    queries = []
     live_beliefs = company.live_beliefs
 
     def counted(*bodies):
         return {
-            key: lambda key=key, source=source: asked.append(key) or source()
+            key: lambda key=key, source=source: queries.append(key) or source()
             for key, source in live_beliefs(*bodies).items()
         }
 
     monkeypatch.setattr(company, "live_beliefs", counted)
     run = sim.run(sim.Trial.load("ariac2023"))
     assert run.summary["people"]["operator"]["visits"]
-    assert run.thoughts == () and not asked
+    assert run.thoughts == () and not queries
