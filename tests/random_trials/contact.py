@@ -6,10 +6,10 @@ HAIR = 1e-6
 """Metres, and seconds."""
 
 SLACK = 1e-5
-"""Metres. Who stands as close as that to an AGV that stands is beside it, and clear of it."""
+"""m. A standing person this close to a standing AGV is beside it, and clear of it."""
 
 STANDS = 1e-3
-"""m/s. Who is no faster than this stands."""
+"""m/s. A slower body stands."""
 
 
 def contact_faults(run):

@@ -76,13 +76,13 @@ def test_a_recording_is_of_regular_files(tmp_path):
     recording.finish(sim.run(trial, recording))
     for name in ("motions.jsonl", "events.jsonl", "summary.json", "scene.json"):
         path = tmp_path / "run" / name
-        kept = path.read_bytes()
+        content = path.read_bytes()
         path.unlink()
         os.mkfifo(path)
         with pytest.raises(InputError):
             sim.load_run(tmp_path / "run")
         path.unlink()
-        path.write_bytes(kept)
+        path.write_bytes(content)
     assert sim.load_run(tmp_path / "run").duration == 1.0
 
 
@@ -153,10 +153,10 @@ def test_nested_rooms_and_obstacles_in_them():
     rings = np.ones((39, 39), bool)
     for k in range(0, 20, 2):
         rings[k : 39 - k, k : 39 - k] = k // 2 % 2 == 0
-    found = trace(rings, 0.0)
-    assert found.is_valid
-    assert found.area == rings.sum()
-    assert sorted(len(piece.interiors) for piece in found.geoms) == [1] * 5
+    outlines = trace(rings, 0.0)
+    assert outlines.is_valid
+    assert outlines.area == rings.sum()
+    assert sorted(len(piece.interiors) for piece in outlines.geoms) == [1] * 5
 
 
 def test_cells_that_touch_at_a_corner_are_apart():
@@ -190,10 +190,12 @@ def test_texts_are_not_read_and_everything_else_keeps_its_handle(version, tmp_pa
         path.write_text(one, encoding="utf-8")
         whole, read = ezdxf.readfile(path), open_drawing(path)
         for layout in ("*Model_Space", "PRESS"):
-            kept = [str(entity) for entity in read.blocks.get(layout)]
+            remaining = [str(entity) for entity in read.blocks.get(layout)]
             there = [entity for entity in whole.blocks.get(layout) if entity.dxf.handle]
             if one is bare:
-                assert kept == [str(entity) for entity in there]
+                assert remaining == [str(entity) for entity in there]
             else:
-                assert kept == [str(entity) for entity in there if entity.dxftype() not in TOLD]
-                assert len(kept) < len(there)
+                assert remaining == [
+                    str(entity) for entity in there if entity.dxftype() not in TOLD
+                ]
+                assert len(remaining) < len(there)

@@ -41,7 +41,7 @@ def problems(text):
     return [(problem.field, problem.message) for problem in why.value.problems]
 
 
-def test_missions_are_done_in_order_through_aisles_and_touch_nothing():
+def test_missions_are_done_in_order_without_contacts():
     missions = "missions: [{go: aisle3}, {wait: 2.0}, {go: [3.0, 5.0, 0.5]}, {turn: -1.0}]"
     run = sim.run(long_vehicle(missions, duration=90.0))
     assert [event["job"] for event in events(run, "job_done")] == ["go", "wait", "go", "turn"]
@@ -255,9 +255,9 @@ def test_a_rate_that_is_too_high_is_an_error(beside):
     ],
 )
 def test_invalid_keys_are_errors_before_the_run(entry, field, message):
-    found = problems(f"floorplan: warehouse\nmachines:\n  one: {{kind: amr, {entry}}}\n")
-    assert len(found) == 1
-    assert found[0][0] == f"machines.one.{field}" and message in found[0][1]
+    reported = problems(f"floorplan: warehouse\nmachines:\n  one: {{kind: amr, {entry}}}\n")
+    assert len(reported) == 1
+    assert reported[0][0] == f"machines.one.{field}" and message in reported[0][1]
 
 
 def test_two_vehicles_in_one_place_are_an_error():

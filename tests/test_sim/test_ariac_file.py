@@ -136,9 +136,9 @@ def test_orders_on_an_unsuitable_floor_are_reported(tmp_path):
     text = "floorplan: warehouse\nariac: work.yaml\n"
     with pytest.raises(sim.TrialError) as caught:
         sim.Trial.parse(text, folder=tmp_path)
-    said = str(caught.value)
-    assert "the floorplan warehouse has no gantry to work on orders" in said
-    assert "no AGV" in said
+    message = str(caught.value)
+    assert "the floorplan warehouse has no gantry to work on orders" in message
+    assert "no AGV" in message
     with pytest.raises(sim.TrialError, match=r"line 2, ariac: no such file: 'play.yaml'"):
         sim.Trial.parse("floorplan: ariac2023\nariac: play.yaml\n", folder=tmp_path)
 
@@ -148,10 +148,10 @@ def test_unreachable_places_of_the_gantry_are_reported(tmp_path):
     assert "range: [-7.0, 7.0]" in floor
     (tmp_path / "narrow.yaml").write_text(floor.replace("range: [-7.0, 7.0]", "range: [-4, 5.8]"))
     (tmp_path / "work.yaml").write_text(TEXT)
-    with pytest.raises(sim.TrialError) as told:
+    with pytest.raises(sim.TrialError) as caught:
         sim.Trial.parse("floorplan: narrow.yaml\nariac: work.yaml\n", folder=tmp_path)
-    assert "the gantry can't get to 'kit_tray_table1': y = -5.84 is outside" in str(told.value)
-    assert {problem.message.split("'")[2] for problem in told.value.problems} == {
+    assert "the gantry can't get to 'kit_tray_table1': y = -5.84 is outside" in str(caught.value)
+    assert {problem.message.split("'")[2] for problem in caught.value.problems} == {
         "kit_tray_table1",
         "disposal_bin2",
         "kit_tray_table2",

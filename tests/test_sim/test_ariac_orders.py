@@ -302,10 +302,10 @@ def test_every_order_of_a_valid_trial_ends_submitted(trial, controller):
         assert order["submitted"] is not None
         assert order["announced"] <= order["submitted"]
         assert 0 <= order["score"] <= order["best"]
-        asked = next(one for one in trial.workload.orders if one.id == name)
-        complete = len(asked.task.products) - len(order["missing"])
-        if asked.kind != "kitting":
-            points = 5 if asked.kind == "combined" else 3
+        requested = next(one for one in trial.workload.orders if one.id == name)
+        complete = len(requested.task.products) - len(order["missing"])
+        if requested.kind != "kitting":
+            points = 5 if requested.kind == "combined" else 3
             bonus = 0 if order["missing"] else 4 * complete
             assert order["score"] == points * complete + bonus
         else:

@@ -62,10 +62,10 @@ def test_a_scenario_is_measured_and_all_files_are_written(hall, floorwalker):
     ],
 )
 def test_invalid_options_are_named(options, why):
-    with pytest.raises((ValueError, typer.BadParameter)) as found:
+    with pytest.raises((ValueError, typer.BadParameter)) as caught:
         command(**options)
-    hint = getattr(found.value, "param_hint", None)
-    assert why in (f"{hint}: {found.value}" if hint else str(found.value))
+    hint = getattr(caught.value, "param_hint", None)
+    assert why in (f"{hint}: {caught.value}" if hint else str(caught.value))
 
 
 def test_invalid_options_cause_one_message(floorwalker):

@@ -175,7 +175,7 @@ def test_every_gantry_is_published_as_a_gantry():
     assert {event["with"] for event in run.events if event["kind"] == "violation"} == {"north"}
 
 
-def test_a_stop_is_a_stop():
+def test_a_stop_message_stops_the_person():
     with (
         served(trial(duration=20.0), speed=10.0, by_hand=True) as session,
         Pacer(session) as client,
@@ -315,8 +315,8 @@ def test_messages_can_be_throttled_and_queued():
         client.send(op="unsubscribe", topic="/clock")
         client.heard()
         client.subscribe("/clock", throttle_rate=100, queue_length=1000)
-        found = tenths(5)
-        assert found == list(range(found[0], found[0] + 5))
+        times = tenths(5)
+        assert times == list(range(times[0], times[0] + 5))
 
 
 def test_long_messages_are_fragmented_on_request():
@@ -361,7 +361,7 @@ GOAL, STOP, ACTION = "/ariac_human/goal_position", "/ariac_human/stop", "/ariac_
 
 
 @pytest.mark.parametrize(
-    ("op", "topic", "rest", "told"),
+    ("op", "topic", "rest", "words"),
     [
         ("publish", "/ariac_human/state", {"msg": {}}, "by the simulation alone"),
         ("publish", "/nowhere", {"msg": {}}, "no topic is called '/nowhere'"),
@@ -377,11 +377,11 @@ GOAL, STOP, ACTION = "/ariac_human/goal_position", "/ariac_human/stop", "/ariac_
         ("png", "/x", {"data": ""}, "unknown operation"),
     ],
 )
-def test_a_forbidden_operation_is_reported_to_its_client_alone(op, topic, rest, told, held):
+def test_a_forbidden_operation_is_reported_to_its_client_alone(op, topic, rest, words, held):
     with Client(held.url) as wrong, Client(held.url) as other:
         wrong.send(op=op, topic=topic, **rest, id="why")
         complaint = wrong.error()
-        assert told in complaint["msg"]
+        assert words in complaint["msg"]
         assert (complaint["level"], complaint["id"]) == ("error", "why")
         assert other.call("/rosapi/nodes") == (True, {"nodes": ["/floorwalker"]})
 
@@ -596,7 +596,7 @@ def test_a_bridge_serves_several_people_and_vehicles(tmp_path):
         ("/ariac_human/goal_position", {"x": 1e300}, ("/ariac_human/goal_position", "1e+300")),
     ],
 )
-def test_a_rejected_message_is_one_line_with_its_topic_and_value(topic, message, words):
+def test_a_rejected_message_causes_one_line_with_its_topic_and_value(topic, message, words):
     with served(sim.Trial.parse(HALL), hold=True) as session, Client(session.url) as client:
         client.call("/ariac/start_competition")
         client.publish(topic, **message)

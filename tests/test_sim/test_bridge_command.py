@@ -35,7 +35,7 @@ def test_both_ends_of_a_bridge(folder):
     assert code == 0, server.notices
     # The time spent waiting depends on how soon the agent connects.
     alone = "stands still at t = 0.0 s: there is no agent"
-    assert [told for told in server.notices[1:] if told != alone] == ["the trial begins"]
+    assert [notice for notice in server.notices[1:] if notice != alone] == ["the trial begins"]
     assert "station4" in report
     require_whole(folder / "out")
 
@@ -66,7 +66,7 @@ def test_an_interrupted_run_is_recorded_with_the_commands_from_its_page(folder):
 def test_errors_are_reported_and_leave_no_folder_behind(folder, floorwalker):
     with relay() as url:
         taken = url.rpartition(":")[2]
-        for arguments, code, told in (
+        for arguments, code, words in (
             (["outside.yaml", "--port", taken], 1, f"can't serve at 127.0.0.1:{taken}"),
             (["outside.yaml", "--speed", "-1"], 2, "must be 0 or more, not -1"),
             (["outside.yaml", "--port", "70000"], 2, "--port"),
@@ -81,7 +81,7 @@ def test_errors_are_reported_and_leave_no_folder_behind(folder, floorwalker):
         ):
             done = floorwalker("bridge", *arguments, cwd=folder)
             assert (done.returncode, done.stdout) == (code, ""), done.stderr
-            assert told in done.stderr
+            assert words in done.stderr
             assert "Traceback" not in done.stderr
     assert [path.name for path in folder.iterdir()] == ["outside.yaml"]
 

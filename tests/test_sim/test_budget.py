@@ -88,9 +88,9 @@ CART = "machines: {cart: {kind: agv, origin: [1, 1], limits: [0, 5], moves: [%s]
     ],
 )
 def test_an_excessive_value_is_rejected_with_its_place(keys, place, words):
-    given = {line.partition(":")[0] for line in keys.splitlines()}
-    head = HALL if "floorplan" not in given else "\n\n\n\n\nduration: 60\n"
-    text = head.replace("duration: 60\n", "") if "duration" in given else head
+    names = {line.partition(":")[0] for line in keys.splitlines()}
+    head = HALL if "floorplan" not in names else "\n\n\n\n\nduration: 60\n"
+    text = head.replace("duration: 60\n", "") if "duration" in names else head
     with pytest.raises(sim.TrialError) as refused:
         sim.Trial.parse(f"{text}{keys}\n")
     (problem,) = refused.value.problems

@@ -88,6 +88,6 @@ def test_the_search_finds_a_page(browser, folder, served, place):
     page.locator(".md-search__input").click()
     page.keyboard.type("protective stop")
     page.locator(".md-search-result__link").first.wait_for()
-    found = page.locator(".md-search-result__link").evaluate_all("all => all.map(a => a.href)")
-    assert any("rules.html" in link for link in found)
+    links = page.locator(".md-search-result__link").evaluate_all("all => all.map(a => a.href)")
+    assert any("rules.html" in link for link in links)
     assert elsewhere == []

@@ -22,8 +22,8 @@ def size(usual):
     return mostly(st.just(usual) | ORDINARY, SIZES)
 
 
-def keys(**given):
-    return st.fixed_dictionaries({}, optional=given)
+def keys(**strategies):
+    return st.fixed_dictionaries({}, optional=strategies)
 
 
 AXIS = st.fixed_dictionaries(

@@ -90,7 +90,7 @@ def test_the_course_of_a_machine_that_was_stopped_leads_to_its_goal(floor):
     assert not area_of(of["cart"].course).covers(shapely.Point(left_at, 0.0))
 
 
-def test_a_path_elsewhere_is_no_course_until_it_leads_to_the_goal(floor):
+def test_a_path_is_no_course_unless_it_leads_to_the_goal(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", *FAR)
     of = floor.traffic(cart, other)
     cart.drive((10.0, 0.0, 0.0))
@@ -256,8 +256,8 @@ def test_the_machine_of_lower_rank_is_asked_first_to_evade(floor, priority):
     left, right, _ = two_head_on(floor, priority=priority)
     floor.until(20.0)
     first = [(name, one.times("evade")[0]) for name, one in (("left", left), ("right", right))]
-    asked = min(first, key=lambda pair: (pair[1], 0))
-    assert asked[1] == max(one.times("evade")[0] for one in (left, right)) or asked[0]
+    earliest = min(first, key=lambda pair: (pair[1], 0))
+    assert earliest[1] == max(one.times("evade")[0] for one in (left, right)) or earliest[0]
     # At equal priority, the first machine in the trial has the right of way.
     assert left.asked and right.asked
 
@@ -405,8 +405,8 @@ def test_a_machine_makes_way_around_claims_and_off_the_course(floor):
     cart.drive((12.0, 0.0, 0.0))
     rests = cart_rests(cart, floor)
     floor.until(rests + 0.1)
-    (asked,) = idle.asked
-    kind, t, taken, courses = asked
+    (query,) = idle.asked
+    kind, t, taken, courses = query
     assert kind == "make_way" and t == pytest.approx(rests)
     assert shapely.union_all(taken).covers(cart.shape.footprint(cart.body.at, 0.0))
     assert shapely.union_all(courses).covers(shapely.LineString([cart.body.at, (12.0, 0.0)]))

@@ -103,8 +103,10 @@ def test_the_trajectory_is_the_sampled_run(recorded):
     assert len(teleports) == 2 * 9
     mine = [row for row in mine if row not in teleports]
     assert len(mine) == len(samples["t"]) == 2751
-    found = np.array([[float(row[c]) for c in ("x", "y", "rotation", "vx", "vy")] for row in mine])
-    assert np.abs(found - samples["operator"]).max() < 1e-6
+    written = np.array(
+        [[float(row[c]) for c in ("x", "y", "rotation", "vx", "vy")] for row in mine]
+    )
+    assert np.abs(written - samples["operator"]).max() < 1e-6
     assert [float(row["t"]) for row in mine] == pytest.approx(samples["t"], abs=1e-9)
 
 
@@ -204,7 +206,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
+def test_invalid_files_cause_one_clear_message(name, tmp_path, floorwalker):
     text, message = BAD[name]
     if text is not None:
         (tmp_path / name).write_text(text)
@@ -313,9 +315,9 @@ def test_a_table_of_a_study_breaks_no_word_and_names_omitted_measures(tmp_path, 
     study = sim.Study.load(tmp_path / "s.study.yaml")
     results = sim.run_study(study, tmp_path / "studies" / "s", jobs=1)
     labels = [measure.label for measure in results.comparison.spreads]
-    known = {word for label in (*labels, *results.comparison.factors) for word in label.split()}
+    words = {word for label in (*labels, *results.comparison.factors) for word in label.split()}
     heading = [line for line in done.stdout.splitlines() if line.startswith("┃")]
-    assert {*" ".join(heading).replace("┃", " ").split()} <= known | {"Runs"}
+    assert {*" ".join(heading).replace("┃", " ").split()} <= words | {"Runs"}
     left_out = done.stdout.partition("Only in the report: ")[2].partition("\n0 in all rows")[0]
     assert "throughput" in left_out.replace("\n", " ").split(", ")
 
@@ -340,8 +342,8 @@ def test_a_missing_program_is_suggested_from_its_folder(tmp_path, floorwalker):
 def test_jobs_of_a_parked_gantry_are_reported(tmp_path, floorwalker):
     text = "floorplan: ariac2023\nduration: 1\ngantry: {jobs: [{wait: 0.5}]}\n"
     (tmp_path / "t.trial.yaml").write_text(text)
-    told = "t: the gantry is parked and does no jobs; choose another --controller\n"
-    for more, stderr in (((), told), (("--controller", "oblivious"), "")):
+    notice = "t: the gantry is parked and does no jobs; choose another --controller\n"
+    for more, stderr in (((), notice), (("--controller", "oblivious"), "")):
         done = floorwalker("run", "t.trial.yaml", *more, cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, stderr)
 
@@ -392,15 +394,15 @@ def test_an_interrupted_run_is_recorded(tmp_path):
     summary = json.loads((out / "summary.json").read_text())
     assert summary["interrupted"] is True
     assert 0 < summary["duration"] < 1e7
-    kept = [json.loads(line) for line in events.read_text().splitlines()]
-    assert kept[-1]["kind"] == "trial_ended"
-    assert kept[-1]["t"] == pytest.approx(summary["duration"])
+    recorded_events = [json.loads(line) for line in events.read_text().splitlines()]
+    assert recorded_events[-1]["kind"] == "trial_ended"
+    assert recorded_events[-1]["t"] == pytest.approx(summary["duration"])
     for line in (out / "motions.jsonl").read_text().splitlines():
         json.loads(line)
     assert (out / "replay.html").read_text().rstrip().endswith("</html>")
 
 
-def test_one_interrupt_ends_an_endless_loop_in_the_users_code(tmp_path):
+def test_one_interrupt_ends_an_endless_loop_in_custom_code(tmp_path):
     (tmp_path / "stuck.py").write_text(
         "from pathlib import Path\n\n\nclass Stuck:\n"
         "    def replan(self, body, neighbours, outlook):\n"
@@ -484,8 +486,8 @@ def test_the_page_opens_if_there_is_a_screen(
     page = (tmp_path / "run" / "replay.html").as_uri()
     opened = tmp_path / "browser.opened"
     if opens:
-        told = until(lambda: opened.exists() and opened.read_text(encoding="utf-8"))
-        assert told == f"{page}\n"
+        address = until(lambda: opened.exists() and opened.read_text(encoding="utf-8"))
+        assert address == f"{page}\n"
     else:
         assert not opened.exists()
 

@@ -320,8 +320,8 @@ def test_an_invalid_argument_of_a_command_is_named(kind, call, argument):
 def test_a_twist_of_any_length_costs_only_the_driven_part(twist):
     simulation = external_vehicles((15, 8, 0))
     vehicle = simulation.machines["v0"]
-    known = []
-    vehicle.body.on_change.append(lambda: known.append(vehicle.body.motion))
+    motions = []
+    vehicle.body.on_change.append(lambda: motions.append(vehicle.body.motion))
     move = vehicle.twist(twist, 1e9)
     simulation.advance(20.0)
     # The motion is the same as if the whole twist was planned at once.
@@ -331,8 +331,8 @@ def test_a_twist_of_any_length_costs_only_the_driven_part(twist):
         assert vehicle.body.motion.end > t + 29.0
         assert vehicle.position == pytest.approx(shorter.state(t).position, abs=1e-3)
         assert vehicle.state.velocity == pytest.approx(shorter.state(t).velocity, abs=2e-3)
-    assert max(len(motion.pieces) for motion in known) < 200 and len(known) < 10
-    for before, after in itertools.pairwise(known):
+    assert max(len(motion.pieces) for motion in motions) < 200 and len(motions) < 10
+    for before, after in itertools.pairwise(motions):
         t = after.start
         velocity = before.state_before(t).velocity
         assert after.state(t).velocity == pytest.approx(velocity, abs=1e-3)

@@ -19,10 +19,10 @@ HEAVY = ("numpy", "shapely", "ompl", "fcl", "lark", "rich", "bdi", "floorplan")
 
 
 @pytest.fixture
-def asked(floorwalker, monkeypatch):
+def completions(floorwalker, monkeypatch):
     """Return a function that requests completions in this process by the variables of a shell."""
 
-    def asked(folder, **variables):
+    def completions(folder, **variables):
         with monkeypatch.context() as now:
             for name, value in variables.items():
                 now.setenv(name, value)
@@ -30,14 +30,14 @@ def asked(floorwalker, monkeypatch):
         assert (done.returncode, done.stderr) == (0, "")
         return done.stdout
 
-    return asked
+    return completions
 
 
 @pytest.fixture
-def in_bash(asked, folder):
+def in_bash(completions, folder):
     def offered(line):
         variables = {"COMP_WORDS": line, "COMP_CWORD": str(line.count(" "))}
-        return asked(folder, _FLOORWALKER_COMPLETE="complete_bash", **variables).split()
+        return completions(folder, _FLOORWALKER_COMPLETE="complete_bash", **variables).split()
 
     return offered
 
@@ -90,8 +90,8 @@ def test_the_shell_completes_files_of_any_kind(in_bash):
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash on this machine")
-def test_the_script_for_bash_works_in_bash(asked, folder):
-    script = asked(folder, _FLOORWALKER_COMPLETE="source_bash")
+def test_the_script_for_bash_works_in_bash(completions, folder):
+    script = completions(folder, _FLOORWALKER_COMPLETE="source_bash")
     function = re.search(r"^(\w+)\(\)", script, re.M)[1]
     wrapper = folder / "floorwalker"
     wrapper.write_text(f'#!/bin/sh\nexec {sys.executable} -m sim.cli "$@"\n')
@@ -104,11 +104,11 @@ def test_the_script_for_bash_works_in_bash(asked, folder):
     assert (done.stdout, done.stderr) == ("paper\n", "")
 
 
-def test_completion_works_in_zsh_and_fish(asked, folder):
+def test_completion_works_in_zsh_and_fish(completions, folder):
     words = "floorwalker run --controller pau"
-    zsh = asked(folder, _FLOORWALKER_COMPLETE="complete_zsh", _TYPER_COMPLETE_ARGS=words)
+    zsh = completions(folder, _FLOORWALKER_COMPLETE="complete_zsh", _TYPER_COMPLETE_ARGS=words)
     assert re.fullmatch(r"""_arguments '\*: :\(\("?pausing"?\)\)'\n""", zsh)
-    fish = asked(
+    fish = completions(
         folder,
         _FLOORWALKER_COMPLETE="complete_fish",
         _TYPER_COMPLETE_ARGS=words,

@@ -67,7 +67,7 @@ def too_near_while_moving(run, law):
     stopped = np.zeros(len(ts), dtype=bool)
     for event in events(run, "gantry_disabled"):
         stopped |= (ts >= event["t"]) & (ts < event["t"] + event["seconds"])
-    found = []
+    times = []
     for name, person in run.motions.items():
         if not name.startswith("p"):
             continue
@@ -75,8 +75,8 @@ def too_near_while_moving(run, law):
         distance = np.hypot(*(person.position(ts) - gantry.position(ts)).T)
         required = np.array([law.distance(h, r) for h, r in zip(speed, robot_speed, strict=True)])
         near = (distance < required - 1e-6) & (robot_speed > 1e-3) & ~stopped
-        found += ts[near].tolist()
-    return found
+        times += ts[near].tolist()
+    return times
 
 
 INTEGRAL = (
@@ -241,7 +241,7 @@ def test_a_controller_is_interrupted_after_its_request(controller, tmp_path):
         """
 import simpy
 
-told = []
+interrupts = []
 
 
 def go(gantry):
@@ -252,7 +252,7 @@ def go(gantry):
         try:
             yield gantry.wait(1000.0)
         except simpy.Interrupt as interrupt:
-            told.append((interrupt.cause, gantry.now))
+            interrupts.append((interrupt.cause, gantry.now))
 """
     )
     run = sim.run(
@@ -265,12 +265,12 @@ gantry: {{controller: '{name}', at: [-5.0, 2.5, 0.0]}}
             tmp_path,
         )
     )
-    told = __import__(name.partition(":")[0]).told
+    interrupts = __import__(name.partition(":")[0]).interrupts
     disabled, enabled = events(run, "gantry_disabled")[0], events(run, "gantry_enabled")[0]
     person, gantry = run.motions["p"], run.motions["gantry"]
     near = navigation.first_violation(person, gantry, navigation.FixedDistance(6.0), 0.0, 80.0)
-    assert [cause for cause, _ in told[:3]] == ["person_close", "disabled", "enabled"]
-    assert [t for _, t in told[:3]] == pytest.approx([near, disabled["t"], enabled["t"]])
+    assert [cause for cause, _ in interrupts[:3]] == ["person_close", "disabled", "enabled"]
+    assert [t for _, t in interrupts[:3]] == pytest.approx([near, disabled["t"], enabled["t"]])
 
 
 def test_a_controller_without_a_request_is_not_interrupted(controller, tmp_path):
@@ -387,20 +387,20 @@ def test_a_predictive_law_is_evaluated_at_the_top_speed(controller, tmp_path):
         """
 import sim
 
-asked = []
+distances = []
 
 
 def go(gantry):
     caution = sim.Caution(gantry)
-    asked.extend([caution.required(0.0), caution.required(1.0)])
+    distances.extend([caution.required(0.0), caution.required(1.0)])
     yield gantry.wait(1.0)
 """
     )
     text = f"duration: 2\nrules: {INTEGRAL}\ngantry: {{controller: '{name}'}}"
     law = sim.run(trial(text, tmp_path)).trial.rules.gantry_law
     top = required_at_speeds(law, 1.0, math.sqrt(2.0))
-    asked = __import__(name.partition(":")[0]).asked
-    assert asked[0] == asked[1] > top
+    distances = __import__(name.partition(":")[0]).distances
+    assert distances[0] == distances[1] > top
 
 
 def test_no_part_is_handled_from_a_distance_or_twice(controller, tmp_path):

@@ -33,12 +33,12 @@ def lost(run: sim.Run) -> float:
 def places(rng: random.Random, count: int, room: Room) -> list[Place]:
     """Return random positions in a room, 0.65 m apart."""
     (low_x, low_y), (high_x, high_y) = room
-    found: list[Place] = []
-    while len(found) < count:
+    places: list[Place] = []
+    while len(places) < count:
         place = (round(rng.uniform(low_x, high_x), 3), round(rng.uniform(low_y, high_y), 3))
-        if all(math.dist(place, other) > 0.65 for other in found):
-            found.append(place)
-    return found
+        if all(math.dist(place, other) > 0.65 for other in places):
+            places.append(place)
+    return places
 
 
 def there_and_back(

@@ -131,13 +131,13 @@ def test_fields_of_events_that_a_controller_defines_are_checked_as_the_run_begin
         sim.run(trial)
 
 
-def test_other_classes_beside_a_controller_are_no_kinds_of_events(tmp_path, event_kinds):
+def test_other_classes_beside_a_controller_are_no_event_kinds(tmp_path, event_kinds):
     path = lifting(tmp_path, "PalletStacked", "{never: pallet_lifted}")
     event_kinds.pop("pallet_lifted", None)
     trial = sim.Trial.load(path)
-    with pytest.raises(sim.TrialError, match="pallet_stacked") as told:
+    with pytest.raises(sim.TrialError, match="pallet_stacked") as caught:
         sim.run(trial)
-    assert [one.field for one in told.value.problems] == [
+    assert [one.field for one in caught.value.problems] == [
         "expect.timeline[0]",
         "people[0].start.event",
     ]
@@ -152,6 +152,6 @@ def test_a_custom_event_that_contradicts_its_declaration_is_rejected_when_record
         gantry.record(own_kind(from_="station2", litres=litres))
 
     trial = sim.Trial.parse("{floorplan: ariac2023, duration: 5}")
-    with pytest.raises(sim.ControllerError, match="litres of tank_filled") as told:
+    with pytest.raises(sim.ControllerError, match="litres of tank_filled") as caught:
         sim.run(replace(trial, gantry=sim.GantryEntry(refuelling)))
-    assert "t = 2 s" in str(told.value)
+    assert "t = 2 s" in str(caught.value)

@@ -53,7 +53,7 @@ def test_people_do_not_step_into_a_lane_before_an_agv(start, drives, other, tmp_
     apart = minimum_separation(run.motions["ada"], run.motions["agv1"], 0.0, 40.0, shapes=shapes)
     assert apart[1] >= vehicles.TOUCH - 1e-6
     # People who start at once stop on the way, and arrive later.
-    monkeypatch.setattr(walker, "among_vehicles", lambda *given: None)
+    monkeypatch.setattr(walker, "among_vehicles", lambda *_: None)
     assert arrival(crossing(tmp_path, start, drives, other)) >= arrival(run) - 1e-9
 
 
@@ -138,20 +138,20 @@ def clearance(run):
 
 def test_people_do_not_leave_through_a_wall(run):
     """The nearest free place is behind the wall, and the nearest reachable one is along it."""
-    found = run("personality: to_a.asl, at: [4.0, 4.29], start: {time: 1}")
-    assert "arrived" in kinds(found)
-    assert clearance(found) >= 0.3 - 1e-3
-    assert found.motions["p"].position(30.0) == pytest.approx((10, 1.5))
+    result = run("personality: to_a.asl, at: [4.0, 4.29], start: {time: 1}")
+    assert "arrived" in kinds(result)
+    assert clearance(result) >= 0.3 - 1e-3
+    assert result.motions["p"].position(30.0) == pytest.approx((10, 1.5))
 
 
 def test_a_person_without_an_exit_stays(run):
     """The person is in a niche 1 m deep, in front of which an AGV has stopped."""
     niche = "personality: to_a.asl, at: [7.6, 4.1], start: {time: 10}"
-    found = run(niche, "[{time: 0, to: far}]")
-    blocked = first(found, "path_blocked")
+    result = run(niche, "[{time: 0, to: far}]")
+    blocked = first(result, "path_blocked")
     assert "the start (7.6, 4.1)" in blocked["message"]
     assert "cart" in blocked["message"]
-    assert found.motions["p"].position(30.0) == pytest.approx((7.6, 4.1))
+    assert result.motions["p"].position(30.0) == pytest.approx((7.6, 4.1))
 
 
 def test_exits_are_clear_except_of_the_obstacle_that_is_too_close():
@@ -171,18 +171,18 @@ def test_exits_are_clear_except_of_the_obstacle_that_is_too_close():
 def test_a_person_is_moved_beside_an_agv_at_home(run):
     home = FLOOR.replace("at: [1, 1]", "at: [6.8, 4.2]")
     stay = "personality: stay.asl, at: [2, 2]"
-    found = run(stay, "[{time: 0, to: far}]", home, "{agv_law: {fixed: 9}}")
+    result = run(stay, "[{time: 0, to: far}]", home, "{agv_law: {fixed: 9}}")
     # No teleport ends where the AGV is about to stop.
-    for teleport in events(found, "teleport"):
-        place, cart = shapely.Point(teleport["to"]), found.trial.floorplan.lane("cart")
+    for teleport in events(result, "teleport"):
+        place, cart = shapely.Point(teleport["to"]), result.trial.floorplan.lane("cart")
         assert cart.footprint(2.8).distance(place) >= 0.3
         assert 0.1 < place.distance(shapely.Point(6.8, 4.2)) < 2.0
     program = "personality: put.asl, at: [2, 2]"
-    found = run(program, "[{time: 0, to: far}]", home)
-    (teleport,) = events(found, "teleport")
-    assert clearance(found) >= 0.3 - 1e-3
+    result = run(program, "[{time: 0, to: far}]", home)
+    (teleport,) = events(result, "teleport")
+    assert clearance(result) >= 0.3 - 1e-3
     at = teleport["to"]
-    assert found.trial.floorplan.lane("cart").footprint(2.8).distance(shapely.Point(at)) >= 0.3
+    assert result.trial.floorplan.lane("cart").footprint(2.8).distance(shapely.Point(at)) >= 0.3
     assert at[1] < 4.3
     assert math.dist(at, (6.8, 4.2)) < 1.5
 
@@ -191,12 +191,12 @@ def test_home_is_the_safe_zone_for_any_start(run):
     rules = "{agv_law: {fixed: 9}}"
     start = "personality: stay.asl, at: [2, 2]"
     for more, home in (("", [1, 1]), (", home: [2, 6]", [2, 6])):
-        found = run(start + more, "[{time: 5, to: far}]", rules=rules)
-        assert {tuple(e["to"]) for e in found.events if e["kind"] == "teleport"} == {(*home,)}
-        assert found.motions["p"].position(1.0) == pytest.approx((2, 2))
-        assert found.motions["p"].position(30.0) == pytest.approx(home)
-    found = run("personality: stay.asl, home: [2, 6]")
-    assert found.motions["p"].position(1.0) == pytest.approx((2, 6))
+        result = run(start + more, "[{time: 5, to: far}]", rules=rules)
+        assert {tuple(e["to"]) for e in result.events if e["kind"] == "teleport"} == {(*home,)}
+        assert result.motions["p"].position(1.0) == pytest.approx((2, 2))
+        assert result.motions["p"].position(30.0) == pytest.approx(home)
+    result = run("personality: stay.asl, home: [2, 6]")
+    assert result.motions["p"].position(1.0) == pytest.approx((2, 6))
     believed = run("personality: tell.asl, home: [2, 6]")
     assert [e["text"] for e in believed.events if e["kind"] == "said"] == ["home26"]
 

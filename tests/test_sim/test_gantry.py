@@ -212,9 +212,9 @@ def test_the_command_retains_the_recording_of_a_failed_run(controller):
     assert "line 3): ZeroDivisionError: division by zero" in done.stderr
     assert "Traceback" not in done.stderr
     events = (folder / "out" / "events.jsonl").read_text()
-    kept = [json.loads(line) for line in events.splitlines()]
-    assert kept[0]["kind"] == "trial_started"
-    assert kept[-1]["t"] == 30.0
+    recorded_events = [json.loads(line) for line in events.splitlines()]
+    assert recorded_events[0]["kind"] == "trial_started"
+    assert recorded_events[-1]["t"] == 30.0
     summary = json.loads((folder / "out" / "summary.json").read_text())
     assert summary["interrupted"] is True
 

@@ -68,13 +68,13 @@ def test_only_recent_spaces_stay_cached():
 
 def test_threads_share_nothing():
     world = navigation.CollisionWorld(sim.Trial.load("ariac2023").floorplan)
-    found = []
+    spaces = []
 
     def look():
         fresh = navigation.CollisionWorld(world.plan)
-        found.append(fresh.fixed_space(0.3))
+        spaces.append(fresh.fixed_space(0.3))
 
     thread = threading.Thread(target=look)
     thread.start()
     thread.join()
-    assert found[0] is not world.fixed_space(0.3)
+    assert spaces[0] is not world.fixed_space(0.3)

@@ -410,19 +410,19 @@ def test_fields_can_be_given_in_python_and_are_written(tmp_path):
     square = ((2.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (2.0, -1.0))
     slow = navigation.FieldSet(name="slow", protective=square, linear=(-math.inf, 0.5))
     turned = navigation.FieldSet(name="turned", protective=square, theta=(0.1, 1.0), load=False)
-    given = sim.MachineFields(
+    fields = sim.MachineFields(
         sets=(slow, turned), muting=sim.Muting(times=((1.0, 2.0), (4.0, math.inf)))
     )
     text = trial(fields="").to_yaml(tmp_path)
     made = sim.Trial.parse(text, folder=tmp_path)
-    made = replace(made, fields={"fork": given})
+    made = replace(made, fields={"fork": fields})
     again = sim.Trial.parse(made.to_yaml(tmp_path), folder=tmp_path)
     assert again.fields["fork"].sets[1] == turned
     assert again.fields["fork"].sets[0].linear == (-1e10, 0.5)
-    assert again.fields["fork"].muting == given.muting
+    assert again.fields["fork"].muting == fields.muting
     runs = [sim.run(one) for one in (again, made)]
-    found = [[event for event in run.events if event["kind"] != "notice"] for run in runs]
-    assert found[0] == found[1]
+    recorded_events = [[event for event in run.events if event["kind"] != "notice"] for run in runs]
+    assert recorded_events[0] == recorded_events[1]
 
 
 CORNERS = "[[2, 1], [-2, 1], [-2, -1], [2, -1]]"

@@ -161,20 +161,20 @@ def watched(trial, speed, meanwhile=lambda server: None):
 
 def test_a_watched_run_is_the_same_run():
     trial = sim.Trial.parse(TRIAL)
-    run, told = watched(trial, speed=100.0)
+    run, sent = watched(trial, speed=100.0)
     plain = sim.run(trial)
     assert run.events == plain.events
-    events = [data["event"] for kind, data in told if kind == "message" and "event" in data]
+    events = [data["event"] for kind, data in sent if kind == "message" and "event" in data]
     assert events == list(run.events)
-    kind, whole = told[-1]
+    kind, whole = sent[-1]
     assert kind == "finished"
     assert whole["events"] == list(run.events)
 
 
 def test_the_published_plans_add_up_to_the_motions():
-    run, told = watched(sim.Trial.parse(TRIAL), speed=100.0)
+    run, sent = watched(sim.Trial.parse(TRIAL), speed=100.0)
     pieces = {name: [] for name in run.motions}
-    for kind, data in told:
+    for kind, data in sent:
         if kind == "message" and "motion" in data:
             mine, new = pieces[data["motion"]["body"]], data["motion"]["pieces"]
             while mine and mine[-1][0] >= new[0][0]:
@@ -484,8 +484,8 @@ def test_a_page_with_control_is_accessible(open_address, axe, scheme):
             viewer.page.keyboard.press("Enter")
             viewer.page.locator("#placing").focus()
             viewer.page.keyboard.press("ArrowLeft")
-            found = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
-            assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in found["violations"]] == []
+            report = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
+            assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in report["violations"]] == []
 
 
 @pytest.mark.parametrize("speed", [20.0, 0.0])

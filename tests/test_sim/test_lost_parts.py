@@ -22,7 +22,7 @@ expect: {{parts_dropped: {dropped}}}
 
 @pytest.mark.parametrize("controller", ["oblivious", "pausing", "avoiding"])
 @pytest.mark.parametrize("delay", [0.0, 1.5, 3.0])
-def test_a_job_whose_part_drops_is_done_again(controller, delay):
+def test_a_job_with_a_dropped_part_is_repeated(controller, delay):
     text = JOBS.format(controller=controller, after=1, delay=delay, dropped=1)
     trial = sim.Trial.parse(text)
     assert sim.Trial.parse(trial.to_yaml()) == trial
@@ -116,8 +116,8 @@ def test_an_order_gets_another_part_for_a_dropped_part(kind, delay):
 def test_a_faulty_part_of_a_kit_is_thrown_away_for_another(challenges, faulty):
     good, _ = made([1, 2])
     run, order = made([1, 2], challenges, faulty)
-    (found,) = events(run, "part_faulty")
-    assert (found["part"], found["agv"], found["quadrant"]) == ("red pump", "agv1", 1)
+    (fault,) = events(run, "part_faulty")
+    assert (fault["part"], fault["agv"], fault["quadrant"]) == ("red pump", "agv1", 1)
     assert run.summary["parts_faulty"] == 1 and order["score"] == order["best"]
     # Picking, disposing, picking and placing take 8 s more, plus the drives.
     assert order["submitted"] > good.summary["orders"]["KIT"]["submitted"] + 8.0

@@ -142,9 +142,11 @@ machines:
 def test_a_protective_stop_holds_a_custom_kind(recorded):
     run, _ = recorded
     stopped = sim.run(replace(run.trial, rules=sim.RULE_SETS["protective_stop"], expect={}))
-    held = [e for e in stopped.events if e["kind"] == "protective_stop" and e["machine"] == "train"]
-    assert held
-    for event in held:
+    stops = [
+        e for e in stopped.events if e["kind"] == "protective_stop" and e["machine"] == "train"
+    ]
+    assert stops
+    for event in stops:
         stop = 1.2 / 0.6
         assert stopped.motions["train"].state(event["t"] + stop).speed < 1e-5
 
@@ -329,9 +331,9 @@ def test_the_minimum_separation_is_to_the_nearest_of_several_gantries():
     run = sim.run(sim.Trial.parse(text.replace("duration: 60", "duration: 3")))
     t = np.linspace(0.0, 3.0, 3001)
     least = min(run.distance("ada", name, t).min() for name in ("gantry", "north"))
-    found = run.summary["people"]["ada"]["minimum_separation"]
-    assert found["distance"] == pytest.approx(least, abs=1e-3)
-    assert run.summary["minimum_separation"] == found
+    separation = run.summary["people"]["ada"]["minimum_separation"]
+    assert separation["distance"] == pytest.approx(least, abs=1e-3)
+    assert run.summary["minimum_separation"] == separation
 
 
 def test_a_trial_adds_an_agv_and_a_law():

@@ -27,13 +27,13 @@ def test_runs_and_errors_are_returned_in_order():
         assert outcome(next(runs)) == outcome(sim.run(trial))
     with pytest.raises(sim.TrialError, match="duration"):
         next(runs)
-    kept = sim.run_many(
+    results = sim.run_many(
         [FAULTY, seeds[0]],
         keep=lambda run: run.summary["duration"],
         failed=lambda why: type(why).__name__,
         jobs=1,
     )
-    assert list(kept) == ["TrialError", 5.0]
+    assert list(results) == ["TrialError", 5.0]
     with pytest.raises(ValueError, match="Invalid backend: lucky"):
         next(sim.run_many([TRIAL], backend="lucky"))
 
@@ -46,7 +46,7 @@ def test_runs_of_other_processes_are_the_same():
     trials += [trial.with_personality("antagonistic") for trial in trials]
     alone = [outcome(sim.run(trial)) for trial in trials]
     runs = sim.run_many(trials, jobs=2)
-    found = [outcome(next(runs))]
+    first = [outcome(next(runs))]
     # Other users of joblib have their own settings while runs are pending.
     assert joblib.Parallel().n_jobs == 1
-    assert [*found, *map(outcome, runs)] == alone
+    assert [*first, *map(outcome, runs)] == alone

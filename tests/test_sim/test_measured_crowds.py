@@ -107,8 +107,8 @@ def test_a_crowd_is_recorded_and_exported_only_while_tracked(crowd, tmp_path):
         entry = f"[{{name: p, recorded: {{file: {file}, everybody: true}}}}]"
         again = run_of(tmp_path, entry)
         ends = [t for span in run.stays["p7"] for t in span]
-        found = again.stays.get("p_p7") or again.stays[name]
-        assert [t for span in found for t in span] == pytest.approx(ends, abs=0.11)
+        stays = again.stays.get("p_p7") or again.stays[name]
+        assert [t for span in stays for t in span] == pytest.approx(ends, abs=0.11)
 
 
 def test_people_created_in_python_may_be_a_whole_crowd(crowd):
@@ -166,7 +166,7 @@ def test_frames_may_precede_or_follow_the_body(tmp_path, first, form):
     assert run.stays["person3"] == (pytest.approx((2.4, 10.0)),)
 
 
-def test_eight_columns_are_those_of_obsmat(tmp_path):
+def test_eight_columns_are_read_as_obsmat(tmp_path):
     rows = [f"{f:e} {b:e} {x:e} 0 {y:e} 0 0 0" for f, b, x, y in people_walking()]
     written(tmp_path, "obsmat.txt", rows)
     run = run_of(tmp_path, "[{recorded: {file: obsmat.txt, everybody: true, frame_rate: 25}}]")

@@ -86,7 +86,7 @@ def test_check_warns_of_unknown_percepts_and_actions_in_programs(tmp_path, floor
     ]
 
 
-def test_a_program_perceives_only_what_it_mentions():
+def test_a_program_receives_only_the_percepts_that_it_mentions():
     walker = bdi.parse("+human_start <- move(1, 2, 0).")
     assert mentioned(walker) == frozenset()
     assert mentioned(bdi.parse("p :- person_near(X, _). +!g : not wants_to_pass(_, _).")) == {
@@ -115,7 +115,7 @@ def watched(source, **options):
     return agent, inspector, thoughts
 
 
-def test_the_changes_add_up_to_what_the_agent_believes():
+def test_the_changes_add_up_to_the_beliefs_of_the_agent():
     agent, inspector, thoughts = watched(PROGRAM)
     for t in range(12):
         if t % 3 == 1:
@@ -172,13 +172,13 @@ def test_agents_are_inspected_only_on_request(tmp_path):
     assert [json.loads(line) for line in lines] == list(run.thoughts)
     assert sim.load_run(tmp_path / "run").thoughts == run.thoughts
     arrivals = [event["t"] for event in events(run, "arrived")]
-    told = [
+    arrived = [
         thought["t"]
         for thought in run.thoughts
         if any(step[1].startswith("+work_completed") for step in thought.get("steps", ()))
     ]
-    assert [t for t in told if t in arrivals]
-    assert set(told) <= set(arrivals)
+    assert [t for t in arrived if t in arrivals]
+    assert set(arrived) <= set(arrivals)
 
 
 def test_inspecting_agents_changes_no_result(tmp_path):
@@ -233,16 +233,16 @@ def test_live_beliefs_are_those_of_the_time_of_the_query(tmp_path_factory, every
 
 
 def test_an_agent_without_belief_queries_computes_no_live_beliefs(monkeypatch):
-    asked = []
+    queries = []
     live_beliefs = company.live_beliefs
 
     def counted(*bodies):
         return {
-            key: lambda key=key, source=source: asked.append(key) or source()
+            key: lambda key=key, source=source: queries.append(key) or source()
             for key, source in live_beliefs(*bodies).items()
         }
 
     monkeypatch.setattr(company, "live_beliefs", counted)
     run = sim.run(sim.Trial.load("ariac2023"))
     assert run.summary["people"]["operator"]["visits"]
-    assert run.thoughts == () and not asked
+    assert run.thoughts == () and not queries

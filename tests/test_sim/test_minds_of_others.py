@@ -76,12 +76,12 @@ def test_a_passing_person_is_perceived_as_near_and_as_gone(meet):
 
 
 def test_people_who_meet_perceive_each_other(meet):
-    told = '+{0}(Who, _) <- .print("{0} ", Who).'
+    report = '+{0}(Who, _) <- .print("{0} ", Who).'
     program = (
         WALK
         + "\n"
         + "\n".join(
-            told.format(percept) for percept in ("in_the_way", "gives_way", "wants_to_pass")
+            report.format(percept) for percept in ("in_the_way", "gives_way", "wants_to_pass")
         )
     )
     back = program.replace("22, 4", "2, 4")
@@ -196,9 +196,9 @@ def test_a_rule_sets_the_minimum_distance_between_people(tmp_path):
     run = record(ours, tmp_path / "run")
     near = navigation.TooClose(navigation.FixedDistance(1.1))
     intervals = list(navigation.when(near, run.motions["ada"], run.motions["ben"], 0, run.duration))
-    found = events(run, "people_too_near")
-    assert [e["t"] for e in found] == pytest.approx([begin for begin, _ in intervals], abs=1e-6)
-    assert all(e["distance"] == pytest.approx(0.5, abs=1e-6) for e in found)
+    recorded = events(run, "people_too_near")
+    assert [e["t"] for e in recorded] == pytest.approx([begin for begin, _ in intervals], abs=1e-6)
+    assert all(e["distance"] == pytest.approx(0.5, abs=1e-6) for e in recorded)
     time = sum(end - begin for begin, end in intervals)
     assert run.summary["people_too_near_time"] == pytest.approx(time, abs=0.05)
     assert run.unmet == [] and sim.load_run(tmp_path / "run").scene.rules == rules
@@ -219,5 +219,5 @@ rules: {{between_people: 0.5}}
 people: [{{name: wide, radius: 0.4, at: [3, 3]}}, {{name: slim, radius: 0.2, at: [{3 + apart}, 3]}}]
 """
     )
-    found = events(sim.run(trial), "people_too_near")
-    assert [e["distance"] for e in found] == ([pytest.approx(apart - 0.6)] if near else [])
+    recorded = events(sim.run(trial), "people_too_near")
+    assert [e["distance"] for e in recorded] == ([pytest.approx(apart - 0.6)] if near else [])

@@ -55,9 +55,9 @@ def test_an_interrupted_run_is_shown(run, tmp_path):
     assert "iframe" in html and "penalties" not in html.partition("<iframe")[0]
 
 
-def test_a_summary_that_lacks_fields_is_shown_without_them(run):
+def test_a_summary_with_missing_fields_is_shown(run):
     whole = json.loads(json.dumps(run.summary))
-    known = dict(figures_in_words(whole))
+    complete = dict(figures_in_words(whole))
     person = whole["people"]["operator"]
     for part in (whole, whole["minimum_separation"], whole["violations"], whole["people"], person):
         for key, value in dict(part).items():
@@ -65,7 +65,7 @@ def test_a_summary_that_lacks_fields_is_shown_without_them(run):
                 part[key] = odd
                 figures_in_words(whole)
             del part[key]
-            assert dict(figures_in_words(whole)).keys() <= known.keys()
+            assert dict(figures_in_words(whole)).keys() <= complete.keys()
             part[key] = value
     del whole["minimum_separation"]["time"]
     table = shown(replace(run, summary=whole))["text/html"].partition("<iframe")[0]

@@ -44,7 +44,7 @@ def seen(tmp_path, person, *, high=3.0, goal=(8.0, 5.0), seed=0, more=""):
 def test_an_obstacle_hides_the_gantry_until_it_comes_into_view(tmp_path):
     """The oracle is a straight line in the plane from the eyes to any corner of the torso."""
     _, near = seen(tmp_path, "at: [2, 1]", goal=(9, 11))
-    run, found = seen(tmp_path, "at: [2, 1], noticing: {occlusion: true}", goal=(9, 11))
+    run, noticed = seen(tmp_path, "at: [2, 1], noticing: {occlusion: true}", goal=(9, 11))
     screen, torso = shapely.box(9.9, 2, 10.1, 8), shapely.box(11.5, 4.5, 12.5, 5.5)
     corners = [(12.0, 5.0), *torso.exterior.coords[:-1]]
 
@@ -57,8 +57,8 @@ def test_an_obstacle_hides_the_gantry_until_it_comes_into_view(tmp_path):
     }
     closing = [t for t in distance if distance[t] <= 8.0 and t + 0.01 in distance]
     first = next(t for t in closing if free(t))
-    assert len(found) == 1 and near[0] < found[0]
-    assert first - 1e-6 <= found[0] <= first + 0.1 + 0.011
+    assert len(noticed) == 1 and near[0] < noticed[0]
+    assert first - 1e-6 <= noticed[0] <= first + 0.1 + 0.011
 
 
 def test_people_see_over_low_and_under_high_obstacles(tmp_path):

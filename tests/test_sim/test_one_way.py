@@ -49,7 +49,7 @@ def crossings(run, name, step=0.01):
 
     Teleports are not counted.
     """
-    found = []
+    passages = []
     motion = run.motions[name]
     times = np.arange(0.0, run.duration, step)
     at = motion.position(times)
@@ -63,20 +63,20 @@ def crossings(run, name, step=0.01):
         )
         beyond = (at - gate.ends[0]) @ np.array(gate.normal) >= -1e-9
         through = (beyond[1:] != beyond[:-1]) & walked & (along[1:] >= 0) & (along[1:] <= 1)
-        found += [(times[k], gate.name, bool(beyond[k + 1])) for k in np.flatnonzero(through)]
-    return [one[1:] for one in sorted(found)]
+        passages += [(times[k], gate.name, bool(beyond[k + 1])) for k in np.flatnonzero(through)]
+    return [one[1:] for one in sorted(passages)]
 
 
 @pytest.mark.parametrize("people", PEOPLE)
 def test_a_person_leaves_a_one_way_aisle_in_its_direction(run, people):
     """People start there, six of them side by side, step aside and are moved back there."""
-    found = run(f"duration: 110\n{PEOPLE[people]}", TO_AND_FRO)
-    names = [person.name for person in found.scene.people]
-    passed = [crossings(found, name) for name in names]
+    result = run(f"duration: 110\n{PEOPLE[people]}", TO_AND_FRO)
+    names = [person.name for person in result.scene.people]
+    passed = [crossings(result, name) for name in names]
     assert all(ahead for one in passed for _, ahead in one)
     assert {name for one in passed for name, _ in one} == {"out", "back"}
-    assert not events(found, "path_blocked") and not found.summary.get("overlaps")
-    assert all(found.summary["people"][name]["visits"].count("west") >= 1 for name in names)
+    assert not events(result, "path_blocked") and not result.summary.get("overlaps")
+    assert all(result.summary["people"][name]["visits"].count("west") >= 1 for name in names)
 
 
 NICHE = (
@@ -93,16 +93,16 @@ people:
   - {name: eve, personality: external, at: [10, 3.75], radius: 0.45}
   - {name: max, personality: go.asl, at: [2, 3.75]}
 """
-    found = run(f"duration: 60\n{people}", "+human_start <- move(18, 3.75, 0).", NICHE)
-    assert {e["person"] for e in events(found, "gave_way")} == {"eve"}
-    assert crossings(found, "eve") == [("out", True)]
-    assert [e["person"] for e in events(found, "arrived")] == ["max"]
+    result = run(f"duration: 60\n{people}", "+human_start <- move(18, 3.75, 0).", NICHE)
+    assert {e["person"] for e in events(result, "gave_way")} == {"eve"}
+    assert crossings(result, "eve") == [("out", True)]
+    assert [e["person"] for e in events(result, "arrived")] == ["max"]
 
 
 def test_a_path_only_against_the_direction_is_reported_as_blocked(run):
     only = AISLES.replace("towards: [9, 7]", "towards: [11, 7]")
-    found = run(f"duration: 30\n{PEOPLE['eve']}", BACK, only)
-    (blocked,) = events(found, "path_blocked")
+    result = run(f"duration: 30\n{PEOPLE['eve']}", BACK, only)
+    (blocked,) = events(result, "path_blocked")
     assert "but through in or back, against the direction" in blocked["message"]
 
 

@@ -1,4 +1,4 @@
-"""Output: files written completely or not at all, text without control characters, topic names."""
+"""Output: atomic writing of files, text without control characters, and topic names."""
 
 import ast
 import json
@@ -164,8 +164,8 @@ NAMES = st.lists(st.text(max_size=8), unique=True)
 
 @given(NAMES)
 def test_topic_names_are_allowed_and_different(names):
-    found = topic_names(names)
-    assert list(found) == names
-    assert len(set(found.values())) == len(names)
-    for name in found.values():
+    topics = topic_names(names)
+    assert list(topics) == names
+    assert len(set(topics.values())) == len(names)
+    for name in topics.values():
         assert re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name)

@@ -6,9 +6,15 @@ import pytest
 
 import sim
 from sim.core.custom_code import CodeFolder
-from sim.machines.gantry.controllers import controller_source, find_controller
+from sim.machines.controllers import loaded
+from sim.machines.gantry.controllers import CONTROLLER, controller_source
 
 CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
+
+
+def find_controller(name, folder):
+    """Return a controller of gantries by its name, imported if it is custom."""
+    return loaded(name, CONTROLLER, controller_source(name, folder))
 
 
 def said(name, folder):
@@ -45,8 +51,8 @@ def _nothing_stays():
 @pytest.mark.parametrize("regular", [(True, True), (False, False), (True, False), (False, True)])
 def test_packages_of_one_name_beside_two_trials(package, regular):
     ca, cb = (package(name, regular=one) for name, one in zip(("ca", "cb"), regular, strict=True))
-    found = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
-    assert found == ["ca", "cb", "ca", "cb"]
+    words = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
+    assert words == ["ca", "cb", "ca", "cb"]
     assert controller_source("pk.ctl:go", CodeFolder(cb)).file == cb / "pk" / "ctl.py"
 
 
@@ -193,9 +199,9 @@ def test_a_source_that_cannot_be_read_is_reported(tmp_path, source, message):
     if not message:  # Python warns of the escape at import
         assert controller_source("m:go", CodeFolder(tmp_path)).line == 2
         return
-    with pytest.raises(sim.ControllerError, match=message) as told:
+    with pytest.raises(sim.ControllerError, match=message) as caught:
         controller_source("m:go", CodeFolder(tmp_path))
-    assert len(str(told.value)) < 1000
+    assert len(str(caught.value)) < 1000
 
 
 @pytest.mark.parametrize("name", ["sys", "wave"])

@@ -59,7 +59,7 @@ def test_an_operation_is_read():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "words"),
     [
         ("{", "not JSON"),
         ("[1, 2]", '"op"'),
@@ -76,10 +76,10 @@ def test_an_operation_is_read():
         (b"\xff\x00", "not JSON"),
     ],
 )
-def test_an_invalid_operation_is_rejected(text, told):
+def test_an_invalid_operation_is_rejected(text, words):
     with pytest.raises(ProtocolError) as caught:
         decode(text)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -125,7 +125,7 @@ def test_types_have_two_names():
 
 
 @pytest.mark.parametrize(
-    ("type_", "message", "told"),
+    ("type_", "message", "words"),
     [
         ("geometry_msgs/Point", {"x": "1"}, "x should be a float64, not '1'"),
         ("geometry_msgs/Point", {"x": True}, "x should be a float64, not True"),
@@ -149,10 +149,10 @@ def test_types_have_two_names():
         ),
     ],
 )
-def test_an_invalid_message_is_rejected_with_its_place(type_, message, told):
+def test_an_invalid_message_is_rejected_with_its_place(type_, message, words):
     with pytest.raises(MessageError) as caught:
         conform(message_type(type_), message)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
     assert len(str(caught.value)) < 300
 
 
@@ -208,10 +208,10 @@ def test_the_number_of_fragments_is_bounded():
 
 def everything_in(outbox):
     async def read():
-        found = []
+        messages = []
         while outbox:
-            found.append((await outbox.get())[0])
-        return found
+            messages.append((await outbox.get())[0])
+        return messages
 
     return asyncio.run(read())
 
@@ -233,7 +233,7 @@ def test_the_oldest_messages_of_a_topic_are_dropped_when_too_many_wait():
 
 
 def test_messages_that_cannot_be_dropped_are_bounded():
-    for text, many, told in (
+    for text, many, words in (
         ("x", MOST_REPLIES, f"{MOST_REPLIES} answers wait"),
         ("x" * 100_000, MOST // 100_000, f"more than {MOST} bytes"),
         ("\U0001f600" * 25_000, MOST // 100_000, f"more than {MOST} bytes"),
@@ -246,7 +246,7 @@ def test_messages_that_cannot_be_dropped_are_bounded():
         for _ in range(5):
             outbox.reply(text)
         assert len(refused) == 1
-        assert told in refused[0]
+        assert words in refused[0]
         assert len(outbox) <= many
 
 
@@ -389,7 +389,7 @@ def test_one_point_without_a_time_is_just_a_target():
 
 
 @pytest.mark.parametrize(
-    ("message", "told"),
+    ("message", "words"),
     [
         (trajectory(), "without points"),
         (trajectory((1.0, (0, 0)), names=JOINTS[:2]), "joint_names should be"),
@@ -409,10 +409,10 @@ def test_one_point_without_a_time_is_just_a_target():
         ),
     ],
 )
-def test_a_trajectory_that_the_gantry_cannot_follow_is_rejected(message, told):
+def test_a_trajectory_that_the_gantry_cannot_follow_is_rejected(message, words):
     with pytest.raises(TrajectoryError) as caught:
         trajectory_motion(GANTRY, HOME, 0.0, message)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
 
 
 @given(
@@ -459,12 +459,14 @@ def test_an_external_controller_moves_the_gantry():
         client.message("/joint_states")
         send(client, trajectory((6.0, (3.5, -0.5, 0.5), (0, 0, 0))))
         reached = client.hear_until(
-            lambda said: said["topic"] == "/joint_states" and said["msg"]["position"][0] == 3.5
+            lambda heard: heard["topic"] == "/joint_states" and heard["msg"]["position"][0] == 3.5
         )
         assert reached["msg"]["position"] == pytest.approx([3.5, -0.5, 0.5])
         send(client, trajectory((0.0, (-7.2, 6.5, 0.0))))
         client.hear_until(
-            lambda said: said["topic"] == "/ariac/robot_health" and not said["msg"]["ceiling_robot"]
+            lambda heard: (
+                heard["topic"] == "/ariac/robot_health" and not heard["msg"]["ceiling_robot"]
+            )
         )
         send(client, trajectory((0.0, (0.0, 0.0, 0.0))))
         assert client.error()["msg"] == "the gantry is disabled"
