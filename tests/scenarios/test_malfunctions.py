@@ -11,7 +11,7 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "kitting.ariac.yaml
 
 
 def run_with(*malfunctions):
-    """The ARIAC example with somebody who walks up to the gantry; (time, seconds) it breaks."""
+    """Run the ARIAC example with a person who walks up to the gantry and a breakdown (time, s)."""
     data = yaml.safe_load(EXAMPLE.read_text())
     human = {"behavior": "antagonistic", "time_condition": 0.0}
     challenges = [{"human": human}] + [
@@ -34,7 +34,7 @@ def first(run, kind, after=0.0):
 
 @pytest.fixture(scope="module")
 def violation():
-    """When the first violation is if nothing breaks."""
+    """Return the time of the first violation without a breakdown."""
     run = run_with()
     t = first(run, "violation")
     assert first(run, "gantry_enabled", t) == pytest.approx(t + 15.0)

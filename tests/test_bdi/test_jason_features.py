@@ -1,4 +1,4 @@
-"""Features of Jason's beyond the first book: meta-programming, patterns, namespaces, states."""
+"""Features of Jason beyond its first book: meta-programming, patterns, namespaces, states."""
 
 import pytest
 from goals import printed, said

@@ -46,7 +46,7 @@ def test_people_without_a_goal_step_off_the_course(count, speed):
     assert run.motions["p0"].position(run.duration)[1] != 5.0
 
 
-def test_a_person_steps_aside_each_time_that_the_vehicle_comes():
+def test_a_person_steps_aside_each_time_the_vehicle_comes():
     goals = [(14, 5), (2, 5), (14, 7), (2, 7), (14, 5)]
     bot = vehicle([2, 5, 0], *goals, max_speed=1.5)
     run = run_in_hall([{"name": "p", "at": [7.0, 5.0], **RESTS}], {"v": bot}, 80)
