@@ -362,14 +362,14 @@ class VehiclePlanner:
         spans = (low - more, high + more), (right - more, left + more)
         # Boxes in the middle of each step enclose the turn to its ends. Neighbours mostly meet the
         # same obstacle, so the order bisects the turn.
-        left = deque([(0, count)])
-        while left:
-            first, last = left.popleft()
+        untested = deque([(0, count)])
+        while untested:
+            first, last = untested.popleft()
             k = (first + last) // 2
             angle = begin + (end - begin) * (k + 0.5) / count
             if not self._box_free(at, (math.cos(angle), math.sin(angle)), *spans):
                 return False
-            left += [span for span in ((first, k), (k + 1, last)) if span[0] < span[1]]
+            untested += [span for span in ((first, k), (k + 1, last)) if span[0] < span[1]]
         return True
 
     def _is_walled(self, a: Point, b: Point) -> bool:
