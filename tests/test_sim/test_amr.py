@@ -41,7 +41,7 @@ def problems(text):
     return [(problem.field, problem.message) for problem in why.value.problems]
 
 
-def test_missions_are_done_in_order_through_aisles_and_touch_nothing():
+def test_missions_are_done_in_order_without_contacts():
     missions = "missions: [{go: aisle3}, {wait: 2.0}, {go: [3.0, 5.0, 0.5]}, {turn: -1.0}]"
     run = sim.run(long_vehicle(missions, duration=90.0))
     assert [event["job"] for event in events(run, "job_done")] == ["go", "wait", "go", "turn"]

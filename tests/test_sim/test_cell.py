@@ -177,7 +177,7 @@ def test_two_publishers_of_one_command_are_reported_once_and_the_last_one_counts
     assert cell.signals["machines/bot/twist"].read().forwards > 0
 
 
-def test_a_new_goal_replaces_the_one_under_way():
+def test_a_new_goal_replaces_the_current_goal():
     cell = cell_of()
     first = cell.tasks["machines/bot/go_to"].start(Pose(15.0, 4.0))
     ends = []
