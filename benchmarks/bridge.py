@@ -3,9 +3,9 @@
     python benchmarks/bridge.py [--clients N] [--seconds S]
 
 A session at speed 1 runs in this process. N clients that subscribe to /clock and
-/ariac_human/state, and one that sends a goal every 0.3 s, run in another. A state is late by how
-much later than its simulated time it comes, counted from the one that comes earliest; a goal's
-latency goes from just before it is sent until the person's motion changes.
+/ariac_human/state, and one that sends a goal every 0.3 s, run in another. The delay of a state is
+counted from its simulated time, relative to the earliest state. The latency of a goal is the time
+from its sending to the change of the person's motion.
 """
 
 from __future__ import annotations

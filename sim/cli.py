@@ -123,9 +123,9 @@ def main() -> None:
 
 
 def _drop_unread_output() -> None:
-    """Let Python have nothing left to write as it ends, if our output takes no more.
+    """Discard the remaining output if the standard output takes no more.
 
-    A reader may have seen enough; a full disk is reported, unless another error was.
+    A reader may have closed it. A full disk is reported, unless another error was.
     """
     output, ended = sys.__stdout__, sys.exc_info()[1]
     try:

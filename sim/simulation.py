@@ -414,7 +414,7 @@ class Simulation(InProgress):
         """Return another simulation of the same trial at the current time.
 
         It repeats the run with the commands that were given, which takes as long as the run did.
-        Afterwards, both are independent. Controllers in Python have to start anew for each run.
+        Afterwards, both are independent. Controllers in Python start again in each run.
 
         Parameters
         ----------

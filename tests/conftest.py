@@ -1,4 +1,4 @@
-"""Shared by all tests: the command in this process, kinds of events, how Hypothesis runs."""
+"""Fixtures and settings of all tests: the command in this process, kinds of events, Hypothesis."""
 
 import gc
 import os
@@ -34,7 +34,7 @@ with suppress(ImportError):
 
     providers._get_local_constants = lambda: providers._local_constants
 
-# Processes that tests start find the packages that are tested, installed or not, wherever they are.
+# Processes that tests start import the packages under test, installed or not, from any folder.
 TESTED = str(Path(str(find_spec("navigation").origin)).parents[1])
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [TESTED, os.environ.get("PYTHONPATH")]))
 
@@ -45,7 +45,7 @@ if sys.dont_write_bytecode:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.environ["PYTHONPYCACHEPREFIX"] = str(BYTECODE)
 
-notice_uncompiled()  # now, and not in the first test that runs a trial
+notice_uncompiled()  # here, and not in the first test that runs a trial
 
 pytest_plugins = ["pytester"]
 if "floorwalker" not in entry_points(group="pytest11").names:
@@ -53,7 +53,7 @@ if "floorwalker" not in entry_points(group="pytest11").names:
     pytest_plugins.append("sim.pytest_plugin")
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    # Shells start what runs in the background deaf to Ctrl-C, which commands would inherit.
+    # Shells start background jobs with Ctrl-C ignored, and commands would inherit that.
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -64,7 +64,7 @@ def pytest_collection_finish():
 
 
 def pytest_sessionfinish():
-    """Return them to the collector, because nanobind reports remaining objects as leaks."""
+    """Return the objects to the collector, because nanobind reports remaining objects as leaks."""
     gc.unfreeze()
 
 

@@ -1,4 +1,4 @@
-"""The rooms of the house and the direction of its imports."""
+"""Layers of the packages and the direction of their imports."""
 
 import ast
 import re
@@ -39,7 +39,7 @@ ROOMS = (
     ("commands",),
     ("cli", "pytest_plugin"),
 )
-"""The rooms of `sim`: each imports from those above it alone."""
+"""The rooms of `sim`. Each imports only from rooms above it."""
 
 
 OF_THE_LIBRARY = {
@@ -67,29 +67,29 @@ OF_THE_LIBRARY = {
     },
     "bdi": {"actions", "language", "reasoning"},
 }
-"""The inner modules of each package that others import; everything else goes by public names."""
+"""Inner modules of each package that others import. They use public names otherwise."""
 
 
 def sources(package):
-    """The files of a package, wherever it is installed."""
+    """Return the files of a package, wherever it is installed."""
     return Path(find_spec(package).origin).parent.rglob("*.py")
 
 
 def module_name(package, path):
-    """The dotted name of the module at `path`."""
+    """Return the dotted name of the module at `path`."""
     parts = path.relative_to(Path(find_spec(package).origin).parents[1]).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 @cache
 def parsed(path):
-    """The statements of a file, and what stands anywhere in them."""
+    """Return the statements of a file, and all nodes of its tree."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     return tree.body, [*ast.walk(tree)]
 
 
-def imported(name, path, known):
-    """The modules among `known` that a module imports: for types alone and in functions too."""
+def imported(name, path, modules):
+    """Return those of `modules` that a module imports, also for types alone and in functions."""
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
     for node in parsed(path)[1]:
         if isinstance(node, ast.Import):
@@ -101,7 +101,7 @@ def imported(name, path, known):
         else:
             continue
         for module in wanted:
-            while module and module not in known:
+            while module and module not in modules:
                 module = module.rpartition(".")[0]
             if module and module != name:
                 yield module
@@ -109,7 +109,7 @@ def imported(name, path, known):
 
 @pytest.fixture(scope="module")
 def graph():
-    """The modules that each module of the four packages imports from them."""
+    """Return the modules that each module of the four packages imports from them."""
     files = {module_name(package, path): path for package in PACKAGES for path in sources(package)}
     return {name: set(imported(name, path, files)) for name, path in files.items()}
 
@@ -124,7 +124,7 @@ def test_no_files_import_each_other_in_a_circle(graph):
     assert circle == []
 
 
-def test_rooms_import_from_those_above_them(graph):
+def test_rooms_import_only_from_rooms_above_them(graph):
     level = {room: k for k, rooms in enumerate(ROOMS) for room in rooms}
     for module, others in graph.items():
         for other in others:
@@ -134,7 +134,7 @@ def test_rooms_import_from_those_above_them(graph):
 
 
 def imports(path):
-    """The (top package, module-level, line) of every absolute import in a file."""
+    """Return (top package, module-level, line) of every absolute import in a file."""
     body, nodes = parsed(path)
     top_level = set(map(id, body))
     for node in nodes:
@@ -158,7 +158,7 @@ def test_imports_go_in_one_direction(package):
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_inner_modules_of_other_packages_are_those_of_the_list(package):
+def test_only_listed_inner_modules_are_imported_by_other_packages(package):
     for path in sources(package):
         for name, _, line in imports(path):
             top, _, inner = name.partition(".")

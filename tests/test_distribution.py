@@ -37,7 +37,7 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory, testrun_uid):
-    """The folder with a wheel and an sdist, built once for all processes of the tests."""
+    """Return the folder with a wheel and an sdist, built once for all processes of the tests."""
     pytest.importorskip("build", reason="the package build is not installed")
     filelock = pytest.importorskip("filelock", reason="the package filelock is not installed")
     folder = tmp_path_factory.getbasetemp().parent / f"distribution-{testrun_uid}"
@@ -62,14 +62,14 @@ BY_PRODUCTS = {"__pycache__", ".hypothesis"}
 
 
 def ours(folder):
-    """Files in a folder of the sources that are no by-products, with paths from above."""
+    """Return files in a folder of the sources that are no by-products, with paths from above."""
     for path in folder.rglob("*"):
         compiled = path.name.endswith(tuple(EXTENSION_SUFFIXES))
         if path.is_file() and not (compiled or BY_PRODUCTS & {*path.parts}):
             yield path.relative_to(folder.parent).as_posix()
 
 
-def test_the_sdist_has_all_it_takes_to_test_and_document(built):
+def test_the_sdist_has_all_files_for_tests_and_documents(built):
     (file,) = built.glob("floorwalker-*.tar.gz")
     with tarfile.open(file) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
@@ -127,5 +127,5 @@ def test_the_sdist_installs_without_a_compiler(built, clean, tmp_path):
     pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
     nothing = {**clean, "CC": str(tmp_path / "nothing")}
     subprocess.run([*pip, "install", "--no-deps", str(sdist)], check=True, env=nothing)
-    found = [path for path in environment.rglob("kernels/[a-z]*") if path.is_file()]
-    assert {path.suffix for path in found} == {".py", ".pxd"}
+    kernels = [path for path in environment.rglob("kernels/[a-z]*") if path.is_file()]
+    assert {path.suffix for path in kernels} == {".py", ".pxd"}

@@ -1,4 +1,4 @@
-"""The documents are true: their examples run, their links lead somewhere."""
+"""Documents: their examples run, and their links lead somewhere."""
 
 import dataclasses
 import importlib
@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"(?P<before>[^\n]*\n(?:[^\n]*\n)?)\n?```(?P<kind>\w+)\n(?P<text>.*?)```", re.S)
 NEEDS_PYTHON = {"pedpy": (3, 11)}
-"""Imports of examples that can't be installed with every Python."""
+"""Imports of examples that cannot be installed with every Python."""
 SHOWN = ("yaml", "python", "agentspeak", "asl")
 """Kinds of blocks that may be files."""
 DOTTED = re.compile(r"(?<![\w./-])(?:sim|bdi|floorplan|navigation)(?:\.[A-Za-z_]\w*)+")
@@ -33,7 +33,7 @@ NAMED = re.compile(r"`([\w.]+\.(?:yaml|asl|py|wkt|jsonl))`")
 
 
 def blocks(document, kind):
-    """The blocks of one kind, each with the file name in the lines before it, if any."""
+    """Return the blocks of one kind, each with the file name in the lines before it, if any."""
     for block in BLOCK.finditer(document.read_text(encoding="utf-8")):
         if block["kind"] == kind:
             names = NAMED.findall(block["before"])
@@ -41,7 +41,7 @@ def blocks(document, kind):
 
 
 def showing(*kinds):
-    """The documents that have blocks of some kinds."""
+    """Return the documents that have blocks of some kinds."""
     return [page for page in DOCUMENTS if any(list(blocks(page, kind)) for kind in kinds)]
 
 
@@ -83,7 +83,7 @@ def test_python_examples_run(document, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize("document", showing(*SHOWN), ids=lambda path: path.name)
-def test_files_that_are_shown_load(document, tmp_path):
+def test_shown_files_load(document, tmp_path):
     saved = []
     for kind in SHOWN:
         for name, text in blocks(document, kind):
@@ -112,8 +112,8 @@ CONTROLLERS_SHOWN = {
 
 @pytest.mark.parametrize("people", [2, 5])
 @pytest.mark.parametrize("name", CONTROLLERS_SHOWN)
-def test_controllers_that_are_shown_work_beside_people(name, people):
-    """As they stand on the page, however many come near, and whenever they are interrupted."""
+def test_shown_controllers_work_beside_people(name, people):
+    """Run them unchanged, beside any number of people and with any interruptions."""
     exec(compile(CONTROLLERS_SHOWN[name], name, "exec"), namespace := {})
     minds = ["antagonistic", "curious", "indifferent", "helpful", "scared"][:people]
     trial = sim.Trial.parse(
@@ -136,7 +136,7 @@ gantry: {{jobs: [{{move: [-2.3, 3.0, 0.0]}}, {{pick: bin6, place: agv4}}]}}
 
 
 def keys(model, above=()):
-    """The keys of a file's part, and of the parts in it that are not `above`."""
+    """Return the keys of a part of a file, and of the parts in it that are not `above`."""
     for name, annotation in form_keys(model):
         yield name
         for part in forms(annotation):
@@ -160,20 +160,20 @@ REFERENCE = {
     StudyKeys: ("studies.md", "search.md"),
 }
 WRITTEN_ONLY = {RuleForm: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream", "number"}}
-"""Keys that stand for a text, or that only `to_yaml` writes."""
+"""Keys that replace a text, or that only `to_yaml` writes."""
 
 
 @pytest.mark.parametrize("model", REFERENCE, ids=lambda model: model.__name__)
 def test_the_reference_has_every_key(model):
     text = "".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in REFERENCE[model])
     names = {*keys(model)} - WRITTEN_ONLY.get(model, set())
-    told = r"`([\w.]+\.)?{0}[`:]|\b{0}:|(?m:^#+ .*\b{0}\b)"
-    missing = {name for name in names if not re.search(told.format(name), text)}
+    mention = r"`([\w.]+\.)?{0}[`:]|\b{0}:|(?m:^#+ .*\b{0}\b)"
+    missing = {name for name in names if not re.search(mention.format(name), text)}
     assert missing == set()
 
 
 def required(form):
-    """The keys of a form that have no default."""
+    """Return the keys of a form that have no default."""
     if not dataclasses.is_dataclass(form):
         return [name for name, info in form.model_fields.items() if info.is_required()]
     needed = [key for key in fields_of(form) if key.default is dataclasses.MISSING]
@@ -188,8 +188,8 @@ def test_the_reference_marks_the_required_keys_of_machines():
     for key in ("agvs", "gantry"):
         (part,) = forms(dict(form_keys(FloorplanSchema))[key])
         needed = {f"{key}.{name}" for name in required(part)}
-        told = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
-        assert told == needed
+        mentioned = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
+        assert mentioned == needed
 
 
 def test_links_lead_somewhere():
@@ -211,7 +211,7 @@ def test_every_study_in_the_examples_can_be_run():
 
 
 LONG = ("traffic.trial.yaml", "vehicles.trial.yaml")
-"""Examples that take seconds, because several vehicles plan their paths among each other."""
+"""Examples that take seconds, because several vehicles plan paths around each other."""
 
 
 @pytest.mark.parametrize(
@@ -226,7 +226,7 @@ def test_every_example_in_the_folder_runs(name, capsys):
 
 
 def pages(entries):
-    """The files that a navigation leads to."""
+    """Return the files that a navigation leads to."""
     for entry in entries:
         if isinstance(entry, str):
             yield entry

@@ -1,4 +1,4 @@
-"""A file of the user's own with the name of a package: said by the command, no harm to pytest."""
+"""A user's file with the name of a package: named by the command, harmless to pytest."""
 
 import subprocess
 import sys
@@ -28,7 +28,7 @@ def in_folder(tmp_path):
 
 @pytest.mark.parametrize("package", ["floorplan", "navigation", "bdi"])
 @pytest.mark.parametrize("form", ["{}.py", "{}/__init__.py", "{}/notes.txt"])
-def test_a_script_is_told_which_file_or_folder_hides_a_package(tmp_path, package, form):
+def test_a_script_reports_the_file_or_folder_that_hides_a_package(tmp_path, package, form):
     hiding = tmp_path / form.format(package)
     hiding.parent.mkdir(exist_ok=True)
     hiding.write_text("")
@@ -37,7 +37,7 @@ def test_a_script_is_told_which_file_or_folder_hides_a_package(tmp_path, package
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True
     )
     is_hidden = f"hides Floorwalker's package {package}" in done.stderr
-    # Python itself prefers a package elsewhere to a folder without modules, unless editable.
+    # Python prefers a package elsewhere to a folder without modules, unless it is editable.
     assert is_hidden or (form == "{}/notes.txt" and done.returncode == 0), done.stderr
 
 
@@ -58,7 +58,7 @@ def test_the_command_names_the_file_that_hides_a_package(in_folder):
     assert "sim.py hides" in done.stderr and "Traceback" not in done.stderr
 
 
-def test_pytest_goes_on_without_the_plugin(in_folder):
+def test_pytest_continues_without_the_plugin(in_folder):
     done = in_folder("-m", "pytest", "-p", "floorwalker", "-p", "no:cacheprovider", "test_mine.py")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "sim.py hides" in done.stdout

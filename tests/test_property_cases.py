@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 
 
 def cases():
-    """Cases that a property of any integers is tried with."""
+    """Return the cases with which a property of any integers is tried."""
     tried = []
 
     @given(st.lists(st.integers(), min_size=10))

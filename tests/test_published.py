@@ -1,4 +1,4 @@
-"""All tables and pictures that `nox -s published` recreates, the same on every machine."""
+"""All tables and pictures that `nox -s published` recreates, identical on every machine."""
 
 import re
 import shutil
@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 
 OF_THE_MACHINE = {"scaling.svg", "cost.svg", "film.gif"}
-"""Pictures of CPU times, and what a browser draws."""
+"""Pictures of CPU times, and pictures drawn by a browser."""
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def published(monkeypatch):
     return import_module("published")
 
 
-def test_every_marked_table_is_made_and_every_made_table_has_one_place(published):
+def test_every_marked_table_is_made_and_has_one_place(published):
     made = [name for one in published.PUBLISHED.values() for name in one.tables]
     marked = [
         name
@@ -31,7 +31,7 @@ def test_every_marked_table_is_made_and_every_made_table_has_one_place(published
     assert sorted(marked) == sorted(made)
 
 
-def test_every_picture_is_made_but_those_of_a_browser_or_of_times(published):
+def test_all_pictures_except_those_of_a_browser_or_of_times_are_made(published):
     made = [name for one in published.PUBLISHED.values() for name in one.pictures]
     screens = set(re.findall(r'^    "([\w-]+\.png)":', _screens(), re.M))
     screens |= {f"{name}.png" for name in re.findall(r'^    "(\w+)": [\d.]+,$', _screens(), re.M)}
@@ -43,7 +43,7 @@ def _screens():
     return (DOCS / "make_screens.py").read_text(encoding="utf-8")
 
 
-def test_a_table_that_differs_is_named_and_mended(published, tmp_path, monkeypatch, capsys):
+def test_a_table_that_differs_is_named_and_repaired(published, tmp_path, monkeypatch, capsys):
     page = Path(shutil.copy(DOCS / "recordings.md", tmp_path))
     right = page.read_text(encoding="utf-8")
     page.write_text(right.replace("| `penalties` |", "| `penances` |"), encoding="utf-8")
@@ -54,7 +54,7 @@ def test_a_table_that_differs_is_named_and_mended(published, tmp_path, monkeypat
     assert capsys.readouterr().out.startswith("reference: ")
 
 
-def test_a_picture_that_differs_is_named_and_mended(published, tmp_path, monkeypatch):
+def test_a_picture_that_differs_is_named_and_repaired(published, tmp_path, monkeypatch):
     (tmp_path / "images").mkdir()
     there = Path(shutil.copy(DOCS / "images" / "plot-path.svg", tmp_path / "images"))
     right = there.read_bytes()
@@ -70,7 +70,7 @@ def test_a_picture_that_differs_is_named_and_mended(published, tmp_path, monkeyp
     assert there.read_bytes() == right
 
 
-def test_what_cannot_be_seen_is_no_difference(published, tmp_path):
+def test_invisible_changes_are_no_difference(published, tmp_path):
     from PIL import Image
 
     one, other = tmp_path / "one.svg", tmp_path / "other.svg"
@@ -99,7 +99,7 @@ def test_what_cannot_be_seen_is_no_difference(published, tmp_path):
     assert published.differ(one, other)
 
 
-def test_a_name_that_is_none_is_refused(published, monkeypatch):
+def test_an_unknown_name_is_rejected(published, monkeypatch):
     monkeypatch.setattr("sys.argv", ["published.py", "path"])
     with pytest.raises(SystemExit, match="nothing is called 'path'; there are: reference, "):
         published.main()

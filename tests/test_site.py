@@ -1,4 +1,4 @@
-"""The documents as a site: it builds without a warning, and stands alone."""
+"""The documents as a site: it builds without a warning and needs no network."""
 
 import importlib
 import os
@@ -16,7 +16,7 @@ DOCS = ROOT / "docs"
 
 
 @pytest.mark.slow
-def test_the_site_builds_without_a_warning_and_asks_nobody_for_anything(tmp_path):
+def test_the_site_builds_without_a_warning_and_needs_no_network(tmp_path):
     pytest.importorskip("mkdocs")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}  # an announcement of the theme
@@ -39,7 +39,7 @@ def test_the_site_builds_without_a_warning_and_asks_nobody_for_anything(tmp_path
 
 
 @pytest.mark.slow
-def test_the_pictures_are_those_that_the_script_makes(tmp_path):
+def test_the_pictures_equal_those_of_the_script(tmp_path):
     pytest.importorskip("matplotlib")
     subprocess.run([sys.executable, str(DOCS / "make_pictures.py"), str(tmp_path)], check=True)
     made = {path.name for path in tmp_path.iterdir()}

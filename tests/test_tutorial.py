@@ -1,4 +1,4 @@
-"""The results that the tutorial states are those of its files."""
+"""Results that the tutorial states, compared with those of its files."""
 
 import shlex
 from dataclasses import replace
@@ -38,12 +38,12 @@ def test_no_violation_and_six_jobs_with_the_courteous_controller(trial):
 
 
 NOT_HERE = ("render", "replay", "study")
-"""Commands that open a browser, or take long and have tests of their own."""
+"""Commands that open a browser, or that take long and have separate tests."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", ["tutorial.md", "plots.md"])
-def test_the_commands_that_are_shown_do_what_they_should(page, trial, tmp_path, floorwalker):
+def test_the_commands_of_the_tutorial_run(page, trial, tmp_path, floorwalker):
     shown = (TUTORIAL.parent / page).read_text(encoding="utf-8")
     lines = [line for line in shown.splitlines() if line.startswith("floorwalker ")]
     assert len(lines) > 5

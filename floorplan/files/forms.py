@@ -180,7 +180,7 @@ def _names(form: type) -> frozenset[str]:
 
 
 def written(value: Any, *, every: bool = False, write: Callable[[Any], Any] | None = None) -> Data:
-    """Return the keys of a dataclass in a file. Those with their defaults only if `every` is true.
+    """Return the keys of a dataclass in a file. Defaults are written only if `every` is true.
 
     `write` returns the form of a field's value in the file. By default it is `plain`.
     """

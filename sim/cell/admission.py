@@ -35,11 +35,11 @@ class Rejected(UserError):  # noqa: N818 (what a client reads)
     Parameters
     ----------
     name : str
-        Name of the command or task, or of the topic that stands for it.
+        Name of the command or task, or of its topic.
     value : object
         The value.
     reason : str
-        What is wrong, and what would be right.
+        The fault, and a valid value.
     """
 
     def __init__(self, name: str, value: object, reason: str) -> None:

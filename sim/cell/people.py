@@ -50,7 +50,7 @@ class PersonRoute:
             raise UserError(f"{person.name} is not on the floor")
 
     def room(self, goal: Point) -> Point | None:
-        """Return a goal, or the nearest free point if something fixed is there; None without room.
+        """Return a goal, the nearest free point if it is in an obstacle, or None without room.
 
         A goal on which only a vehicle stands is kept, because people wait for it to be free.
         """

@@ -57,7 +57,7 @@ class Signal:
 
     @property
     def is_watched(self) -> bool:
-        """Whether somebody watches."""
+        """Whether the signal has a reader."""
         return bool(self._watchers)
 
 

@@ -28,7 +28,7 @@ from .custom_code import argument_fault
 class Plans:
     """The motions that a body set out on. A track has only what came of them.
 
-    A law that looks ahead asks for what somebody is about to do.
+    A law that looks ahead also needs the motion to come.
     """
 
     def __init__(self, since: float, motion: Motion) -> None:
@@ -237,8 +237,8 @@ class MachineShape:
 
     def __post_init__(self) -> None:
         if self.category not in get_args(Category):
-            known = " or ".join(get_args(Category))
-            raise ValueError(f"the category of a machine is {known}, not {self.category!r}")
+            categories = " or ".join(get_args(Category))
+            raise ValueError(f"the category of a machine is {categories}, not {self.category!r}")
 
     @cached_property
     def box(self) -> Box:
@@ -316,7 +316,7 @@ CONTACT = "contact"
 def is_there(pose: Sequence[float], target: Sequence[float], within: float) -> bool:
     """Return whether a pose is at x, y, and in the rotation, but for whole turns, if any.
 
-    It may be `within` so many metres and radians of them.
+    `within` is the tolerance in metres and radians.
     """
     turn = math.remainder(pose[2] - target[2], math.tau) if len(target) == 3 else 0.0
     return math.dist(pose[:2], target[:2]) < within and abs(turn) < within
@@ -346,11 +346,11 @@ def checked(method: _Method) -> _Method:
     """Raise a `UserError` for calls of a method with missing or unknown arguments."""
 
     @wraps(method)
-    def called(one: Commandable, *given: Any, **terms: Any) -> Any:
+    def called(one: Commandable, *values: Any, **terms: Any) -> Any:
         try:
-            return method(one, *given, **terms)
+            return method(one, *values, **terms)
         except TypeError as why:
-            if fault := argument_fault(partial(method, one), terms, *given):
+            if fault := argument_fault(partial(method, one), terms, *values):
                 raise UserError(f"{one.name}.{method.__name__}: {fault}") from why
             raise
 
@@ -365,11 +365,11 @@ def commands(method: _Method) -> _Method:
     signature = inspect.signature(method)
 
     @wraps(method)
-    def commanded(one: Commandable, *given: Any, **terms: Any) -> Any:
+    def commanded(one: Commandable, *values: Any, **terms: Any) -> Any:
         if one.on_command is None or one.body.clock.inside:
-            return method(one, *given, **terms)
-        _, *arguments = signature.bind(one, *given, **terms).arguments.items()
-        carry_out = partial(method, one, *given, **terms)
+            return method(one, *values, **terms)
+        _, *arguments = signature.bind(one, *values, **terms).arguments.items()
+        carry_out = partial(method, one, *values, **terms)
         return one.on_command(method.__name__, dict(arguments), carry_out)
 
     vars(commanded)["is_command"] = True

@@ -20,7 +20,7 @@ LEAST_DELAY = 0.01
 
 
 def keys_of_set(one: FieldSet) -> dict[str, Any]:
-    """Return the keys of a field set in a file. Those with their defaults are omitted."""
+    """Return the keys of a field set in a file. Keys with their defaults are omitted."""
     keys: dict[str, Any] = {"name": one.name}
     for key in ("linear", "theta", "direction"):
         if (ends := getattr(one, key)) not in (UNBOUNDED, None):

@@ -65,7 +65,7 @@ class Scene:
         return self.machine(body).kind
 
     def shapes(self, person: str, machine: str) -> Shapes | None:
-        """Return the solids between which the rules measure; None between centres.
+        """Return the solids between which the rules measure, or None between centres.
 
         Raises `KeyError` if there is no such person or machine.
         """

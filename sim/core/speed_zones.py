@@ -57,7 +57,7 @@ def parts_between(
 def extent(
     area: shapely.Geometry, swept: shapely.Polygon, origin: Point, direction: Point
 ) -> tuple[float, float] | None:
-    """Return the first and last metre of what an area shares with a swept one; None if nothing.
+    """Return the first and last metre that a swept area shares with another, or None.
 
     They are measured from `origin` in a direction.
     """

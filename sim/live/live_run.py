@@ -63,7 +63,7 @@ class Requests:
         self._closed = False
 
     def ask(self, wish: Any) -> Answer:
-        """Return the answer to a wish. Any thread may call this, and waits for the run."""
+        """Return the answer to a request of the page. Any thread may call this and wait for it."""
         request = _Request(wish)
         self._waiting.put(request)
         if self._closed:

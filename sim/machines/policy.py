@@ -143,7 +143,7 @@ def flat(observation: Observation) -> Array:
 
 
 class ActionBounds:
-    """Actions of a machine as numbers from -1 to 1, and the commands that they stand for.
+    """Actions of a machine as numbers from -1 to 1, and the commands that they mean.
 
     See `PolicyDriven.act` for the commands of each kind of machine.
     """

@@ -16,7 +16,7 @@ from .node import CellNode
 class Control:
     """Provider of the services of simulation_interfaces that apply to a trial.
 
-    `step()` advances by one step. It returns False if time goes by on its own, or is over.
+    `step()` advances by one step. It returns False if time is not stepped, or the run is over.
     """
 
     def __init__(self, ros: CellNode, cell: Cell, pace: Pace, step: Callable[[], bool]) -> None:
@@ -60,10 +60,10 @@ class Control:
         return self._done(response)
 
     def _set_simulation_state(self, request: Any, response: Any) -> Any:
-        wanted, state = request.state.state, self._state
-        if wanted not in (state.STATE_PLAYING, state.STATE_PAUSED) or not self._pace.speed:
+        requested, state = request.state.state, self._state
+        if requested not in (state.STATE_PLAYING, state.STATE_PAUSED) or not self._pace.speed:
             return self._failed(response, "a trial plays or pauses, and with --step it is paused")
-        self._pace.change(paused=wanted == state.STATE_PAUSED)
+        self._pace.change(paused=requested == state.STATE_PAUSED)
         return self._done(response)
 
     def _step_simulation(self, request: Any, response: Any) -> Any:

@@ -20,7 +20,7 @@ from .node import LATCHED, CellNode, RosTopic
 class Frames:
     """Publisher of `/clock`, `/tf` and `/tf_static`.
 
-    Besides the frames of vehicles, each body has the frame in which its markers are drawn.
+    Each body also has the frame in which its markers are drawn.
     """
 
     def __init__(self, ros: CellNode, cell: Cell, vehicles: Iterable[VehicleTopics]) -> None:

@@ -1,4 +1,4 @@
-"""What viewers see: events, diagnostics of the monitor, and markers for RViz."""
+"""Output for viewers: events, diagnostics of the monitor, and markers for RViz."""
 
 from __future__ import annotations
 

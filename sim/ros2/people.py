@@ -18,8 +18,8 @@ Here = tuple[Figure, int, Pose, Velocity]
 class People:
     """Publisher of all people on the floor, in each type that is installed.
 
-    `advance(seconds)` advances the simulation for HuNavSim's service `compute_agents`. It returns
-    False if time goes by on its own.
+    `advance(seconds)` advances the simulation for HuNavSim's service `compute_agents`. It
+    returns False if time is not stepped.
     """
 
     def __init__(self, ros: CellNode, cell: Cell, advance: Callable[[float], bool]) -> None:

@@ -189,11 +189,11 @@ class _RosServer:
 
     @property
     def _runs(self) -> bool:
-        """Whether time goes by on its own."""
+        """Whether time follows the wall clock."""
         return bool(self._pace.speed) and not self._pace.paused
 
     def _advance_by(self, seconds: float) -> bool:
-        """Advance by a duration. Return False if time goes by on its own, or the trial is over."""
+        """Advance by seconds. Return False if time follows the wall clock, or the run is over."""
         if self._runs or self._pace.over:
             return False
         self._pace.step(seconds)

@@ -93,7 +93,7 @@ def _surface_towards(
     """Yield the intervals in which the machine's own motion brings its surface nearer.
 
     The rate is no polynomial. It is sampled so densely that no point of the machine covers `LEAST`
-    between two instants, so that every approach that counts has one; its ends are then bisected.
+    between two instants, so that every approach that counts has one. Its ends are then bisected.
     """
 
     def approach(t: Floats) -> Floats:

@@ -74,7 +74,7 @@ class FloorContacts:
         stage.triggers.each("obstacle_went", lambda event: self._went(event["obstacle"]))
 
     def begin(self) -> None:
-        """Begin to watch. What a machine is in now, it touches."""
+        """Begin to watch. A machine touches the objects that it overlaps now."""
         for monitor in self._monitors:
             monitor.begin()
 
@@ -163,7 +163,7 @@ class FloorMonitor:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Compute the next contact or parting; called for each new motion."""
+        """Compute the next contact or parting, for each new motion."""
         now, motion = self._clock.now, self._body.motion
         if motion.end <= now:
             self._alarm.set(None)
@@ -175,7 +175,7 @@ class FloorMonitor:
                 if (t := self._parting(thing, motion, now)) is not None and t < first:
                     first, self._next = t, partial(self._part, thing)
                 if stops and (t := self._contact(thing, motion, now)) is not None:
-                    # One that pushes against it must not creep.
+                    # A machine that pushes against an object must not creep.
                     t = now if self._moves_little(motion, now, t) else t
                     if t < first:
                         first, self._next = t, self._stop

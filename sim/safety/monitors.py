@@ -214,7 +214,7 @@ class SeparationMonitor:
             self._alarm.set(self.pair.first_time(self._condition))
             return
         coming = None if idle else self.pair.next_interval(self._condition)
-        # The present interval begins now, within the resolution. One that begins later is another.
+        # The present interval begins now, within the resolution. A later one counts separately.
         if coming is None or coming[0] > now + 10 * RESOLUTION:
             self._alarm.set(now)
         else:
@@ -290,8 +290,8 @@ class NoticingMonitor:
     """
 
     # Three stages, of which each waits for the one instant that ends it:
-    # - alert: the noticing distance is reached while closing in;
-    # - closing: the distance no longer falls, which makes it the nearest of the approach so far;
+    # - alert: the noticing distance is reached while closing in.
+    # - closing: the distance no longer falls, which makes it the nearest of the approach so far.
     # - parting: either the distance has grown by `parting`, which ends the approach, or it has
     #   fallen below the nearest again, which goes on with the same approach.
     # A person who lingers at the noticing distance, or whom a machine passes to and fro, is
@@ -299,7 +299,7 @@ class NoticingMonitor:
     # rounding at the threshold brings about. `rule.every` replaces the last two stages by a time.
 
     _away: Condition
-    """The two have parted, or are nearer than at their nearest; known from there on."""
+    """The two have parted, or are nearer than at their nearest."""
 
     def __init__(
         self, pair: Pair, noticing: Noticing, noticed: Callable[[Pair, AnyLaw], None]

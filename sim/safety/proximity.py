@@ -57,7 +57,7 @@ class NearnessMonitor:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Compute the next change; called for each new motion."""
+        """Compute the next change, for each new motion."""
         one, other = self._bodies
         mine, theirs = one.motion, other.motion
         now = self._stage.clock.now

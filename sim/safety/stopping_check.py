@@ -35,7 +35,7 @@ MARGIN = 0.01
 
 
 class Stoppable(NamedTuple):
-    """A motion, and the stops of the machine from it at all times."""
+    """A motion, and the stops of the machine that begin during it."""
 
     motion: Motion
     stops: Stops

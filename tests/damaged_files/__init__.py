@@ -1,1 +1,1 @@
-"""Files in which something is wrong: they are read all the same, or a message says what it is."""
+"""Damaged files: each is read, or rejected with a message that names the damage."""

@@ -1,4 +1,4 @@
-"""Hypothesis strategies of damaged files: damages to what stands in them, and to their bytes."""
+"""Hypothesis strategies of damaged files: damages to their values and to their bytes."""
 
 import copy
 import json
@@ -54,7 +54,7 @@ values = st.recursive(
 
 
 def damaged(sample, kind):
-    """The bytes `sample` of a file with the suffix `kind`, damaged as such, as bytes; any text."""
+    """Strategy of damaged bytes of `sample`, a file with the suffix `kind`, and of any text."""
     of_bytes = edited(sample, st.sampled_from(BYTES) | st.binary(min_size=1, max_size=3))
     if kind == ".yaml":
         tree = trees(yaml.safe_load(sample))
@@ -76,13 +76,13 @@ def damaged(sample, kind):
 
 
 def lines(value):
-    """`value` with damages as JSON, what only Python takes for JSON included."""
+    """Strategy of JSON lines: `value` with damages, also in forms that only Python accepts."""
     return trees(value).map(lambda one: json.dumps(one, ensure_ascii=False).encode())
 
 
 @st.composite
 def trees(draw, tree):
-    """`tree`, of dicts, lists and scalars, with up to three damages."""
+    """Strategy of `tree`, of dicts, lists and scalars, with up to three damages."""
     tree = copy.deepcopy(tree)
     for _ in range(draw(st.integers(1, 3))):
         places = list(_places(tree))
@@ -119,7 +119,7 @@ def _places(tree):
 
 
 def _near(value):
-    """Values of the kind of `value`, or nearly."""
+    """Return a strategy of values of the same or a similar kind as `value`."""
     if isinstance(value, int | float):
         near = (-value, value + 1, value * 1000, float(value), str(value), not value)
         return st.sampled_from(near) | st.floats(-25, 25)
@@ -130,7 +130,9 @@ def _near(value):
 
 @st.composite
 def edited(draw, parts, new):
-    """`parts`, a list or bytes, with up to four runs dropped, replaced, repeated, moved, nested."""
+    """Strategy of `parts`, a list or bytes, with up to four runs dropped, replaced, repeated or
+    moved.
+    """
     for _ in range(draw(st.integers(1, 4))):
         at = draw(st.integers(0, len(parts)))
         run = parts[at : at + draw(st.sampled_from((0, 1, 1, 2, 5, 30, 400)))]

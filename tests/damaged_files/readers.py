@@ -1,7 +1,7 @@
-"""Everything that reads a file or a foreign text, by the sample of it that is damaged.
+"""Readers of files and foreign texts, by the sample that is damaged.
 
-What a reader accepts is used a little, too: a file that is read and can't be worked with afterwards
-is no better than one on which reading breaks.
+Accepted values are also used a little, because a file that is read and cannot be worked with
+afterwards is as bad as one that breaks the reader.
 """
 
 import asyncio
@@ -49,7 +49,7 @@ gantry: {controller: external}
 
 
 def prepare(folder):
-    """Put every sample into `folder`, a recording in `run`, a study in `results`, a replay page."""
+    """Write all samples, a recording (`run`), a study (`results`) and a page into `folder`."""
     shutil.copytree(SAMPLES, folder, dirs_exist_ok=True)
     recording = sim.Recording(folder / "run")
     recording.finish(sim.run(sim.Trial.parse(RECORDED), recording))
@@ -75,7 +75,7 @@ def run(path):
         simulation = sim.Simulation(trial)
         simulation.advance(min(trial.duration, 3.0))
     except StandstillError:
-        return  # that shows only as it runs
+        return  # only a run shows that time stands still
     except Exception as why:
         raise AssertionError(f"what was checked is refused as it begins: {why}") from why
     use(simulation.finish())
@@ -90,7 +90,7 @@ def recording(path):
 
 
 def use(run):
-    """Ask of a run what the commands do: its page, some samples, its metrics."""
+    """Use a run as the commands do: render its page, sample it, compute its metrics."""
     recordings_in(render(replay_data(run)))
     if run.duration <= 1000:
         run.sample(rate=2.0)
@@ -104,14 +104,14 @@ def study(path):
 
 
 def results(path):
-    """Add a row to the results of a study; report on one table in ten."""
+    """Add a row to the results of a study, and report on one table in ten."""
     study = sim.Study.load(path.parents[1] / "one.study.yaml")
     with StudyFolder(path.parent, study) as opened:
         if opened.table.rows < len(study):
             opened.table.add({"row": opened.table.rows, "error": None})
-        found = StudyResults(study, path.parent, opened.table.columns())
+        rows = StudyResults(study, path.parent, opened.table.columns())
         if path.suffix == ".jsonl" and crc32(path.read_bytes()) % 10 == 0:
-            write_report(found, path.parent / "report.html")
+            write_report(rows, path.parent / "report.html")
 
 
 def page(path):
@@ -192,7 +192,7 @@ def to_agent(path):
 
 
 def questions(path):
-    """Ask what a file of questions asks, of the map that it names or of the sample's floor."""
+    """Read a file of queries on the map that it names, or on the sample's floor."""
     floor = path.with_name("floor.yaml") if path.suffix == ".csv" else map_of(path)
     read_questions(path, floorplan.load(floor), radius=0.3)
 

@@ -1,4 +1,4 @@
-"""Whatever is in a file: it is read, or one message says what is wrong."""
+"""Any damage: the file is read, or one message names the damage."""
 
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -26,7 +26,7 @@ def test_the_sample_is_accepted(folder, name):
 @pytest.mark.parametrize("name", READERS)
 @settings(max_examples=settings.default.max_examples // 6)
 @given(data=st.data())
-def test_a_damaged_file_is_read_or_refused_with_a_message(folder, name, data):
+def test_a_damaged_file_is_read_or_rejected_with_a_message(folder, name, data):
     path = folder / name
     beside = {file: file.read_bytes() for file in path.parent.iterdir() if file.is_file()}
     path.write_bytes(data.draw(damaged(beside[path], path.suffix)))

@@ -1,4 +1,4 @@
-"""Damages that somebody's file had, and what the message names."""
+"""Damages of real files, and their places in the messages."""
 
 import shutil
 
@@ -84,31 +84,31 @@ def test_damaged_results_of_a_study_are_named(tmp_path, old, new, line):
         f"floorplan: ariac2023\nariac: {'x' * 300}",
     ],
 )
-def test_a_name_that_no_file_can_have_is_refused(trial):
+def test_a_name_that_no_file_can_have_is_rejected(trial):
     with pytest.raises(sim.TrialError, match="<text>: line "):
         sim.Trial.parse(trial)
 
 
-def test_a_distribution_of_nothing_is_refused():
+def test_a_distribution_of_nothing_is_rejected():
     text = "trials: [ariac2023]\nrandom: {max_speed: {normal: null}}"
     with pytest.raises(sim.StudyError, match=r"line 2, random\.max_speed: "):
         sim.Study.parse(text)
 
 
-def test_a_law_with_a_number_too_large_for_a_float_is_refused(tmp_path):
+def test_a_law_with_a_number_too_large_for_a_float_is_rejected(tmp_path):
     (tmp_path / "r.yaml").write_text(f"agv_law: {{fixed: {'9' * 400}}}\n")
     with pytest.raises(floorplan.InputError, match=r"line 1, agv_law\.fixed\.metres: "):
         sim.load_rules(tmp_path / "r.yaml")
 
 
 @pytest.mark.parametrize("t", ["9" * 400, "1e999", "true"])
-def test_a_percept_without_a_time_is_refused(tmp_path, t):
+def test_a_percept_without_a_time_is_rejected(tmp_path, t):
     (tmp_path / "p.jsonl").write_text(f'{{"t": {t}, "add": "a"}}\n')
     with pytest.raises(ValueError, match=r"p\.jsonl:1: .t. "):
         read_percepts(tmp_path / "p.jsonl")
 
 
-def test_messages_stay_short_whatever_is_in_the_file(tmp_path):
+def test_messages_stay_short_for_any_file(tmp_path):
     (tmp_path / "f.yaml").write_text("boundary: [[0,0],[1,0],[1,1]]\n" + "x" * 100_000 + ": 1\n")
     with pytest.raises(floorplan.FloorplanError) as floor:
         floorplan.load(tmp_path / "f.yaml")
@@ -121,14 +121,14 @@ def test_messages_stay_short_whatever_is_in_the_file(tmp_path):
     assert max(len(str(why.value)) for why in (floor, program, literal)) < 3000
 
 
-def test_a_thing_that_ezdxf_does_not_know_has_no_layer(tmp_path):
+def test_an_entity_unknown_to_ezdxf_has_no_layer(tmp_path):
     path = tmp_path / "floor.dxf"
     path.write_bytes((SAMPLES / "floor.dxf").read_bytes().replace(b"LWPOLYLINE", b"LWPOLY"))
     with pytest.raises(floorplan.FloorplanError, match="LWPOLY 2: can't be read as an outline"):
         floorplan.load(path)
 
 
-def test_a_drawing_with_an_endless_number_is_refused(tmp_path):
+def test_a_drawing_with_an_infinite_number_is_rejected(tmp_path):
     path = tmp_path / "floor.dxf"
     path.write_bytes((SAMPLES / "floor.dxf").read_bytes().replace(b"\n90\n4\n", b"\n90\n-inf\n"))
     with pytest.raises(floorplan.FloorplanError, match="is not a DXF drawing"):
@@ -157,7 +157,7 @@ TOO_MUCH = {
 
 
 @pytest.mark.parametrize("case", TOO_MUCH)
-def test_yaml_that_asks_too_much_is_refused(case):
+def test_yaml_that_expands_too_far_is_rejected(case):
     text, message = TOO_MUCH[case]
     with pytest.raises(sim.TrialError) as refused:
         sim.Trial.parse(text)

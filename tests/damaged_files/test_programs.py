@@ -31,7 +31,7 @@ LATER = "".join(f"X{n} = f(X{n + 1}, X{n + 1}); " for n in range(40))
 
 
 @pytest.mark.slow
-def test_a_term_that_doubles_when_it_is_printed_is_refused():
+def test_a_term_that_doubles_when_it_is_printed_is_rejected():
     agent = bdi.Agent(bdi.parse(f"!g. +!g <- {LATER} .print(X0).", "p.asl"))
     with pytest.raises(bdi.EndlessProgramError, match=r"p\.asl:1:\d+: \+!g: a term of more than"):
         agent.advance(1.0)
@@ -66,7 +66,7 @@ TOO_DEEP = {
 
 
 @pytest.mark.parametrize("case", TOO_DEEP)
-def test_a_clause_too_deep_to_follow_is_refused(case):
+def test_a_clause_nested_too_deeply_is_rejected(case):
     with pytest.raises(bdi.ProgramError, match=r"p\.asl:2:\d+: .*more than \d+ deep"):
         bdi.parse("x.\n" + TOO_DEEP[case], "p.asl")
 
@@ -80,7 +80,7 @@ def test_a_clause_too_deep_to_follow_is_refused(case):
         "x([" + ",".join(["a"] * 2000) + "]).",
     ],
 )
-def test_a_clause_that_is_not_too_deep_is_read_run_and_written(text):
+def test_a_clause_of_moderate_depth_is_read_run_and_written(text):
     program = bdi.parse(text, "p.asl")
     assert str(bdi.parse(str(program))) == str(program)
     bdi.Agent(program, act=lambda term: True).advance(1.0)
@@ -94,7 +94,7 @@ def test_very_many_facts_are_believed(count):
     assert str(next(iter(agent.beliefs))) == "at(robot0,0.5,0)[source(self)]"
 
 
-def test_a_program_too_long_to_read_is_refused():
+def test_a_program_too_long_to_read_is_rejected():
     with pytest.raises(bdi.ProgramError, match="longer than the limit of 4,000,000 characters"):
         bdi.parse("// " + "x" * 5_000_000)
 
@@ -117,6 +117,6 @@ def test_an_include_stays_in_the_folder_of_the_program(tmp_path, name):
         bdi.parse_file(folder / "main.asl")
 
 
-def test_an_include_of_a_name_that_no_file_can_have_is_refused(tmp_path):
+def test_an_include_of_a_name_that_no_file_can_have_is_rejected(tmp_path):
     with pytest.raises(bdi.ProgramError, match="is not a file name"):
         bdi.parse(f'{{ include("{"x" * 300}") }}', folder=tmp_path)

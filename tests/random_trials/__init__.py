@@ -1,8 +1,8 @@
-"""Random trials, and what must hold of each run: `python -m tests.random_trials --trials 1000`.
+"""Random trials and the properties of their runs: `python -m tests.random_trials --trials 1000`.
 
-A trial follows from its number alone; there are five families of them (`--family`). What must hold
-is worked out again from the motions and events of the finished run, with shapely, NumPy and FCL,
-and without the parts that made them.
+A trial follows from its number alone. There are five families of trials (`--family`). The
+properties are recomputed from the motions and events of the finished run with shapely, NumPy and
+FCL, without the parts that made them.
 """
 
 from .contact import contact_faults
@@ -28,19 +28,19 @@ CHECKS = (
     judge_faults,
     slack_faults,
 )
-"""Each yields, of a run, all that should not be."""
+"""Checks of all runs. Each yields the faults of a run, in words."""
 
 CHECKS_OF_TRACKS = (separation_faults, judge_faults, slack_faults)
-"""Those that hold where people walk as measured, and machines are of any kind."""
+"""Checks of runs with recorded people and machines of any kind."""
 
 
 def faults(run):
-    """All that is wrong with a run, in words."""
+    """Return all faults of a run, in words."""
     if run.trial.fields:
         return [*field_faults(run)]
     tracked = any(entry.recorded is not None for entry in run.trial.people)
     checks = CHECKS_OF_TRACKS if tracked else CHECKS
-    # The rules are worked out for the machines of the floor alone.
+    # The rules are recomputed only for the machines of the floor.
     checks = [check for check in checks if check is not rule_faults or not run.trial.machines]
     return [fault for check in checks for fault in check(run)]
 

@@ -1,4 +1,4 @@
-"""Run random trials and print which of them break something: `python -m tests.random_trials`."""
+"""Run random trials and print those with faults: `python -m tests.random_trials`."""
 
 import argparse
 import sys
@@ -27,29 +27,29 @@ FAMILIES = {
 
 
 def main():
-    """Run the trials that are asked for; exit 1 if anything is wrong with one."""
+    """Run the requested trials. Exit with 1 if one has a fault."""
     parser = argparse.ArgumentParser(prog="python -m tests.random_trials", description=__doc__)
     parser.add_argument("--trials", type=int, default=1000, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--jobs", type=int, default=1, help="how many at once")
     parser.add_argument("--family", choices=FAMILIES, default="plain", help="which trials")
-    asked = parser.parse_args()
-    make = FAMILIES[asked.family]
-    numbers = range(asked.first, asked.first + asked.trials)
+    options = parser.parse_args()
+    make = FAMILIES[options.family]
+    numbers = range(options.first, options.first + options.trials)
     broken = 0
-    with ProcessPoolExecutor(asked.jobs) as pool:
+    with ProcessPoolExecutor(options.jobs) as pool:
         for number, wrong in zip(
             numbers, pool.map(partial(tried, make), numbers, chunksize=4), strict=True
         ):
             broken += bool(wrong)
             for fault in wrong:
                 print(f"{number}: {fault}", flush=True)
-    print(f"{asked.trials} trials, {broken} broken")
+    print(f"{options.trials} trials, {broken} broken")
     sys.exit(1 if broken else 0)
 
 
 def tried(make, number):
-    """Return the faults of the trial that is made of this number, in words; an error is one."""
+    """Return the faults of the trial with this number, in words. An error is a fault."""
     try:
         judge = vehicle_faults if make is random_trial_of_vehicles else faults
         return [*judge(sim.run(make(number)))]

@@ -1,4 +1,4 @@
-"""People and vehicles: nobody walks into one, and one that yields runs into nobody."""
+"""People and vehicles: no person walks into a vehicle, and a yielding vehicle hits no person."""
 
 from navigation import Cylinder, FixedDistance, Shapes, TooClose, first_time
 
@@ -6,14 +6,14 @@ HAIR = 1e-6
 """Metres, and seconds."""
 
 SLACK = 1e-5
-"""Metres. Who stands as close as that to an AGV that stands is beside it, and clear of it."""
+"""m. A standing person this close to a standing AGV is beside it, and clear of it."""
 
 STANDS = 1e-3
-"""m/s. Who is no faster than this stands."""
+"""m/s. A slower body stands."""
 
 
 def contact_faults(run):
-    """Return who touches a vehicle, but for who stands where one drives that does not yield."""
+    """Return contacts, except of standing people with a moving vehicle that does not yield."""
     human = run.trial.floorplan.human
     for entry in run.trial.people:
         person = run.motions[entry.name]
@@ -27,12 +27,12 @@ def contact_faults(run):
             t = first_time(touch, person, agv, 0.0, run.duration, shapes=shapes)
             if t is None or (
                 t == 0.0 and entry.place_on(run.floorplan) is not None
-            ):  # they start like that
+            ):  # the trial starts like that
                 continue
             before = max(t - HAIR, 0.0)
             walks, drives = (one.state(before).speed > STANDS for one in (person, agv))
             turned = agv.rotation([before, t])
-            if turned[0] != turned[1]:  # it turns on the spot, into whoever is beside it
+            if turned[0] != turned[1]:  # the vehicle turns on the spot, into a person beside it
                 continue
             if walks or not drives or yields(run.trial, vehicle.name):
                 yield f"{entry.name} touches {vehicle.name} at t = {t:.6f} s"

@@ -1,4 +1,4 @@
-"""Closed doors: nobody goes in or through, and who could not stop in time leaves at once."""
+"""Closed doors: no person enters one, and people who cannot stop in time leave at once."""
 
 import numpy as np
 import shapely
@@ -6,17 +6,17 @@ import shapely
 from .movement import sampled
 
 STEP = 0.01
-"""Seconds. How finely motions are sampled."""
+"""Time between samples (s)."""
 
 SLACK = 2e-3
-"""Metres. Who is no farther in than this is beside it."""
+"""m. A person no deeper than this in the door is beside it."""
 
 OUT = 5.0
-"""Seconds from standing until somebody has left a door that closed on them."""
+"""Maximum time from standing until a person has left a door that closed on them (s)."""
 
 
 def door_faults(run):
-    """Return who is in a closed door, but those who come out of it as soon as they can."""
+    """Return people in closed doors, except those who leave as soon as they can."""
     human = run.trial.floorplan.human
     for door in run.trial.floorplan.doors:
         shape, times = door.closed.footprint, run.trial.doors.get(door.name)
@@ -33,7 +33,8 @@ def door_faults(run):
                 speed = float(np.hypot(vx[0], vy[0]))
                 where = f"{entry.name}: {door.name}, closed at t = {begin:.3f} s"
                 first, last = t[inside][0], t[inside][-1]
-                # Straight on they stop so far from where they are as it closes.
+                # A person who brakes straight ahead stops at this distance from the place at the
+                # closing.
                 if depth[0] + speed**2 / (2 * most) < -SLACK:
                     yield f"{where}: is in it at t = {first:.3f} s, and could have stopped"
                 elif last > begin + speed / most + OUT:

@@ -1,7 +1,8 @@
-"""Whether a contact with a vehicle could have been avoided, by a search independent of the crowd.
+"""Avoidable contacts with vehicles, by a search independent of the crowd.
 
 The person could have braked and walked straight to a place of a grid, within the limits of people,
-clear of walls, of the vehicles as they were known then, and of the other people. All is sampled.
+clear of walls, of the motions of vehicles known at that time, and of other people. All motions are
+sampled.
 """
 
 import math
@@ -33,7 +34,7 @@ MOVES = 0.05
 def contacts(run):
     """Return person, vehicle, time (s) and depth (m) of the first contact of each pair."""
     times = np.arange(0.0, run.duration, 0.01)
-    found = []
+    touches = []
     for machine in run.scene.machines:
         motion = run.motions[machine.name]
         drives = np.hypot(*motion.velocity(times)[:, :2].T) > MOVES
@@ -44,8 +45,8 @@ def contacts(run):
             deep = (apart - radius < -TOLERANCE) & drives
             if deep.any():
                 depth = radius - apart[deep].min()
-                found.append((person.name, machine.name, times[deep.argmax()], depth))
-    return found
+                touches.append((person.name, machine.name, times[deep.argmax()], depth))
+    return touches
 
 
 def gaps(places, motion, bounds, times):
@@ -64,8 +65,8 @@ def gaps(places, motion, bounds, times):
 def avoidable(trial, contact):
     """Return a time and a place to which the person could have walked, or None.
 
-    It is sought every half second while the person was in danger: their motion and that of the
-    vehicle met, as far as both were known.
+    The search repeats every half second while the person was in danger, which means that the known
+    motions of the person and the vehicle met.
     """
     name, vehicle, met, _ = contact
     simulation = sim.Simulation(trial)
@@ -82,8 +83,10 @@ def free_place(simulation, name, vehicle):
     now, plan = simulation.clock.now, simulation.trial.floorplan
     people = {person.name: person.walker.human for person in simulation.people}
     bodies = {person.name: person.body.motion for person in simulation.people}
-    known = {machine.name: machine.foreseen(now + 10.0) for machine in simulation.machines.values()}
-    drives = {k: motion for k, motion in known.items() if motion.end > now}
+    foreseen = {
+        machine.name: machine.foreseen(now + 10.0) for machine in simulation.machines.values()
+    }
+    drives = {k: motion for k, motion in foreseen.items() if motion.end > now}
     end = max([now, *(motion.end for motion in (*drives.values(), *bodies.values()))])
     times = np.arange(now, end + STEP, STEP)
     human, me = people[name], bodies.pop(name)
@@ -94,7 +97,7 @@ def free_place(simulation, name, vehicle):
         clear = np.ones(len(places), dtype=bool)
         for k, motion in drives.items():
             apart = gaps(places, motion, shapes[k], times)
-            # A person who is too near already must not come nearer.
+            # A person who is too close already must not come closer.
             least = np.minimum(human.radius, apart[:, :1])
             clear &= (apart >= least - 1e-9).all(axis=1)
         for other, motion in bodies.items():
@@ -127,7 +130,7 @@ def free_place(simulation, name, vehicle):
 
 
 def walkable(simulation, plan, radius, start, ends):
-    """Return which straight lines keep clear of walls, and of machines that stand."""
+    """Return which straight lines are clear of walls and of stationary machines."""
     room = plan.boundary.difference(shapely.union_all([one.footprint for one in plan.obstacles]))
     now = simulation.clock.now
     for machine in simulation.machines.values():

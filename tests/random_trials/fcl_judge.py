@@ -1,9 +1,9 @@
-"""FCL as the judge of what people did: no kernel of the library, and no shapely distance, decides.
+"""FCL as the judge of people's motions. No kernel of the library and no shapely distance decides.
 
-The motion of each person is cut into chords. What their body sweeps along a chord is a capsule, and
-whatever is in the way a convex prism: FCL says whether the two share a point. Chords are so short
-that a motion is within `DEVIATION` of them, and bodies are narrower by `CLEARANCE`: whatever FCL
-lets pass is clear but for the sum of the two.
+The motion of each person is cut into chords. A body sweeps a capsule along a chord, and each
+obstacle is a convex prism. FCL decides whether the two share a point. Chords are so short that a
+motion is within `DEVIATION` of them, and bodies are narrower by `CLEARANCE`. Motions that FCL
+accepts are therefore clear to within the sum of the two.
 """
 
 import itertools
@@ -15,23 +15,23 @@ import numpy as np
 import shapely
 
 CLEARANCE = 1e-4
-"""Metres. So much closer than their radius people may be to anything, from rounding."""
+"""Distance by which people may be closer than their radius, from rounding (m)."""
 
 DEVIATION = 1e-5
-"""Metres. How far a motion may be from its chords."""
+"""Maximum distance of a motion from its chords (m)."""
 
 LEAVES = 5.0
-"""Seconds within which somebody is out of a door that closed on them."""
+"""Maximum time until a person is out of a door that closed on them (s)."""
 
 NEARLY = 0.01
-"""Metres. Whoever could have stopped by less before what closes ahead of them could not."""
+"""m. A person who could stop by less before a closing obstacle need not stop."""
 
 SLOW = 1e-9
-"""m/s. A motion that turns back no faster than this does not turn back."""
+"""m/s. A motion that turns back more slowly does not turn back."""
 
 
 def judge_faults(run):
-    """Return what FCL rejects: people in walls, in what is closed, and in each other."""
+    """Return what FCL rejects: people in walls, in closed areas, and in each other."""
     bodies = {
         entry.name: _radius(run, entry) - CLEARANCE
         for entry in run.trial.people
@@ -63,7 +63,7 @@ def _radius(run, entry):
 
 
 def _deceleration(run, entry):
-    """Return how fast somebody can slow down (m/s²)."""
+    """Return the deceleration of a person (m/s²)."""
     most = entry.max_acceleration
     return run.trial.floorplan.human.max_acceleration if most is None else most
 
@@ -72,7 +72,7 @@ def _deceleration(run, entry):
 
 
 class _Chords(NamedTuple):
-    """Chords of a motion: begins and ends (N,) in seconds, where these are (N, 2) in metres."""
+    """Chords of a motion: begins and ends (N,) in seconds, and their positions (N, 2) in metres."""
 
     begin: np.ndarray
     end: np.ndarray
@@ -80,13 +80,13 @@ class _Chords(NamedTuple):
     b: np.ndarray
 
     def within(self, begin, end):
-        """Return those that are not over at `begin` and begin before `end` (seconds)."""
-        kept = (self.end > begin) & (self.begin < end)
-        return _Chords(*(values[kept] for values in self))
+        """Return the chords that end after `begin` and begin before `end` (s)."""
+        overlaps = (self.end > begin) & (self.begin < end)
+        return _Chords(*(values[overlaps] for values in self))
 
 
 def _pieces(run, name):
-    """Return the pieces of somebody while they are on the floor: begins, ends, cubics of x, y."""
+    """Return the pieces of a person while on the floor: begins, ends, cubics of x and y."""
     since, until = run.presence[name]
     rows = [p for p in run.motions[name].pieces if p.end > since and p.begin < until]
     begin, end = (np.array([p[k] for p in rows]) for k in (0, 1))
@@ -94,7 +94,7 @@ def _pieces(run, name):
 
 
 def _cut(pieces, instants):
-    """Return pieces that are also cut at some instants (s)."""
+    """Return pieces that are also cut at some times (s)."""
     begin, end, _ = pieces
     within = [t for t in instants if len(begin) and begin[0] < t < end[-1]]
     if not within:
@@ -104,7 +104,7 @@ def _cut(pieces, instants):
 
 
 def _speed_before(pieces, t):
-    """Return the speed (m/s) at the end of the piece that ends at `t` (s); 0 if there is none."""
+    """Return the final speed (m/s) of the piece that ends at `t` (s), or 0 if there is none."""
     begin, end, c = pieces
     if not (row := np.flatnonzero(end == t)).size:
         return 0.0
@@ -113,21 +113,21 @@ def _speed_before(pieces, t):
 
 
 def _at(cubics, u):
-    """Return places (N, 2) on cubics (N, 2, 4), `u` (N,) seconds after each began."""
+    """Return positions (N, 2) on cubics (N, 2, 4), `u` (N,) seconds after each began."""
     u = u[:, None]
     c = cubics
     return c[..., 0] + u * (c[..., 1] + u * (c[..., 2] + u * c[..., 3]))
 
 
 def _chords(pieces):
-    """Return chords from which no place of the pieces is farther than `DEVIATION`."""
+    """Return chords that deviate from the pieces by at most `DEVIATION`."""
     begin, end, c = pieces
     h = end - begin
     way = _at(c, h) - c[..., 0]
     length = np.hypot(*way.T)
     along = np.divide(way, length[:, None], out=np.zeros_like(way), where=length[:, None] > 0)
-    # The acceleration is linear in time, so greatest at an end; that across the chord counts alone,
-    # unless the piece turns back. Its velocity is within that of its control points.
+    # The acceleration is linear in time, so it is greatest at an end. Unless the piece turns back,
+    # only the part across the chord counts. Its velocity is within that of its control points.
     bends = np.stack([2 * c[..., 2], 2 * c[..., 2] + 6 * c[..., 3] * h[:, None]])
     across = np.abs(bends[..., 0] * along[:, 1] - bends[..., 1] * along[:, 0]).max(axis=0)
     whole = np.hypot(bends[..., 0], bends[..., 1]).max(axis=0)
@@ -146,7 +146,7 @@ def _chords(pieces):
 
 
 class _Touch:
-    """Asks FCL whether a capsule along a chord touches a shape."""
+    """Query to FCL: does a capsule along a chord touch a shape?"""
 
     def __init__(self):
         self._capsule, self._ball = fcl.Capsule(1.0, 1.0), fcl.Sphere(1.0)
@@ -155,7 +155,7 @@ class _Touch:
         self._asked = fcl.CollisionRequest()
 
     def __call__(self, a, b, radius, shape):
-        """Return whether what a disc sweeps from `a` to `b` shares a point with a shape."""
+        """Return whether a disc that moves from `a` to `b` shares a point with a shape."""
         (x, y), length = b - a, math.dist(a, b)
         body = self._round
         if length < 1e-9:
@@ -163,7 +163,8 @@ class _Touch:
         else:
             self._capsule.radius, self._capsule.lz = radius, length
             c, s = x / length, y / length
-            # A capsule lies along its z axis: its axes are z, then what completes the frame.
+            # A capsule lies along its z axis. The axes of its frame are z and two axes that
+            # complete it.
             self._long.setRotation(np.array([[0.0, -s, c], [0.0, c, s], [-1.0, 0.0, 0.0]]))
             body = self._long
         body.setTranslation(np.array([*(a + b) / 2, 0.0]))
@@ -197,7 +198,7 @@ def _prism(corners):
 
 
 def _sides(area):
-    """Return FCL's objects for all that is beyond the bounds of an area: four half spaces."""
+    """Return FCL's objects for the outside of the bounds of an area: four half spaces."""
     west, south, east, north = area.bounds
     anywhere = np.full(2, math.inf)
     sides = ((1.0, 0.0, west), (0.0, 1.0, south), (-1.0, 0.0, -east), (0.0, -1.0, -north))
@@ -207,11 +208,11 @@ def _sides(area):
     ]
 
 
-# ---- what is in the way
+# ---- obstacles
 
 
 class _Barrier(NamedTuple):
-    """Something in the way within an interval (seconds), as the prisms that it consists of."""
+    """Obstacle during an interval (seconds), as the prisms that it consists of."""
 
     name: str
     begin: float
@@ -219,16 +220,16 @@ class _Barrier(NamedTuple):
     prisms: list
 
     def rejected(self, touch, chords, radius, begin):
-        """Return when chords first lead through it from `begin` (s) on, None if they never do."""
+        """Return when chords from `begin` (s) on first lead through the obstacle, or None."""
         near = chords.within(begin, self.end)
         hits = self._hits(touch, near, radius)
         return max(float(near.begin[min(hits)]), begin) if hits else None
 
     def left(self, touch, chords, radius, reach):
-        """Return from when on (s) nobody may touch it.
+        """Return the time (s) from which no person may touch the obstacle.
 
-        Who was in it when it came, or no farther from it than `reach` metres on their path, gets
-        out of it first.
+        A person who was inside when it came, or at most `reach` metres before it on the path,
+        leaves it first.
         """
         after = chords.within(self.begin, min(self.end, self.begin + LEAVES))
         hits = self._hits(touch, after, radius)
@@ -246,7 +247,7 @@ class _Barrier(NamedTuple):
         return float(after.begin[out[0]]) if out else self.begin + LEAVES
 
     def _hits(self, touch, chords, radius):
-        """Return the numbers of chords that lead through it."""
+        """Return the numbers of chords that lead through the obstacle."""
         low, high = np.minimum(chords.a, chords.b) - radius, np.maximum(chords.a, chords.b) + radius
         return {
             k
@@ -257,7 +258,7 @@ class _Barrier(NamedTuple):
 
 
 def _barriers(run):
-    """Yield all that stands, hangs, closes or comes where people walk, and the floor's end."""
+    """Yield all obstacles where people walk, permanent and temporary, and the end of the floor."""
     trial, plan = run.trial, run.trial.floorplan
     tall = plan.human.height
     beyond = [*_prisms(plan.boundary.envelope.difference(plan.boundary)), *_sides(plan.boundary)]
@@ -278,7 +279,7 @@ def _barriers(run):
 
 
 def _closed(door, times, duration):
-    """Return from when to when a door is closed (seconds)."""
+    """Return the intervals in which a door is closed (s)."""
     if times is None:
         return [] if door.is_open else [(0.0, duration)]
     if times.open is None:
@@ -291,7 +292,7 @@ def _closed(door, times, duration):
 
 
 def _meeting(run, touch, one, other):
-    """Return when two people first share a point (s), or None: names and radii are given."""
+    """Return when two people, as (name, radius), first share a point (s), or None."""
     (name, radius), (other_name, other_radius) = one, other
     pieces, theirs = _pieces(run, name), _pieces(run, other_name)
     if not len(pieces[0]) or not len(theirs[0]):
@@ -315,7 +316,7 @@ def _meeting(run, touch, one, other):
 
 
 def _later(pieces, t):
-    """Return the cubics of pieces in force at `t` (N,), counted from then: (N, 2, 4)."""
+    """Return the cubics of pieces in force at `t` (N,), counted from `t`: (N, 2, 4)."""
     begin, _, cubics = pieces
     row = np.searchsorted(begin, t, side="right") - 1
     c, u = cubics[row], (t - begin[row])[:, None]

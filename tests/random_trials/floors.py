@@ -25,11 +25,11 @@ from floorplan.checks import starting_fault
 from sim.core.schedule import DoorTimes as DoorTimes
 
 TRIES = 200
-"""So many places are tried before a floor has no room for something."""
+"""Number of places that are tried before a floor has no room."""
 
 
 def random_floor(random):
-    """A built-in floor, or a hall that nobody has seen before."""
+    """Return a built-in floor or a random hall."""
     if random.random() < 0.5:
         return load(random.choice(builtin()))
     hall = None
@@ -39,7 +39,7 @@ def random_floor(random):
 
 
 def divided_floor(random):
-    """A hall of two rooms with one or two doors between, and what else stands in a hall."""
+    """Return a hall of two rooms with one or two doors between them, furnished like any hall."""
     plan = None
     while plan is None:
         width, depth = random.uniform(12, 26), random.uniform(6, 14)
@@ -75,7 +75,7 @@ def divided_floor(random):
 
 
 def _furnished(random, width, depth, obstacles, doors):
-    """A hall with stations in both rooms; None if there is no room for them."""
+    """Return a hall with stations in both rooms, or None if there is no room for them."""
     boundary = shapely.box(0, 0, width, depth)
     human = Human(
         radius=random.choice([0.2, 0.25, 0.3]),
@@ -107,7 +107,7 @@ def _furnished(random, width, depth, obstacles, doors):
 
 
 def _hall(random):
-    """A hall, or None if there is no room in it for people."""
+    """Return a hall, or None if it has no room for people."""
     width, depth = random.uniform(8, 30), random.uniform(6, 20)
     boundary = shapely.box(0, 0, width, depth)
     if random.random() < 0.3:
@@ -136,7 +136,7 @@ def _hall(random):
 
 
 def standing_place(random, plan, radius=None, within=None):
-    """A place to start at, within a polygon (the boundary's bounds if None); None if not found."""
+    """Return a starting place within a polygon (the boundary's bounds if None), or None."""
     west, south, east, north = (plan.boundary if within is None else within).bounds
     for _ in range(TRIES):
         at = (random.uniform(west, east), random.uniform(south, north))
@@ -176,7 +176,7 @@ def _obstacles(random, width, depth):
 
 
 def _with_lane(random, plan, name):
-    """The plan with one more lane, if one is found that leads through nothing."""
+    """Return the plan with one more lane, if one is found that leads through nothing."""
     west, south, east, north = plan.boundary.bounds
     for _ in range(TRIES // 10):
         length = random.uniform(2, 0.8 * (east - west))
@@ -206,7 +206,7 @@ def _with_lane(random, plan, name):
 
 
 def _with_wall_along(random, plan, lane):
-    """The plan with a wall beside the lane, so near that people stand close to both."""
+    """Return the plan with a wall beside the lane, so near that people stand close to both."""
     (x, y), (c, s) = lane.origin, lane.direction
     begin, end = sorted(random.uniform(*lane.limits) for _ in range(2))
     away = lane.width / 2 + random.uniform(0.05, 0.8)

@@ -1,7 +1,7 @@
 """Random trials of vehicles with protective fields among people, and the contacts in their runs.
 
-The fields are those of `needed_fields`, with the way that a person walks until the vehicle stands
-added on every side.
+The fields are those of `needed_fields`. On every side they also cover the distance that a person
+walks until the vehicle has stopped.
 """
 
 import math
@@ -48,14 +48,14 @@ VEHICLES = (
 TOUCH = FixedDistance(1e-6)
 
 LATER = 1e-6
-"""Seconds. Instants of events are rounded to less."""
+"""s. Times of events are rounded to less."""
 
 MOVES = 1e-3
 """m/s. A person who is slower stands."""
 
 
 def random_trial_with_fields(number):
-    """The trial of this number: 1 to 10 people and 1 to 6 vehicles, all with protective fields."""
+    """Return the trial of this number: 1 to 10 people, 1 to 6 vehicles with protective fields."""
     random = Random(f"fields {number}")
     plan = floorplan.load("warehouse") if random.random() < 0.6 else random_floor(random)
     people = _people(random, plan, random.randint(1, 10))
@@ -87,13 +87,13 @@ def random_trial_with_fields(number):
 
 
 def _people(random, plan, count):
-    found = []
+    people = []
     for k in range(count):
         at = standing_place(random, plan)
         apart = 2 * plan.human.radius + 0.05
-        while any(math.dist(at, other.at) < apart for other in found):
+        while any(math.dist(at, other.at) < apart for other in people):
             at = standing_place(random, plan)
-        found.append(
+        people.append(
             sim.PersonEntry(
                 f"p{k}",
                 start=sim.Start(random.choice([0.0, random.uniform(0.0, 10.0)])),
@@ -102,11 +102,11 @@ def _people(random, plan, count):
                 personality=random.choice(PERSONALITIES),
             )
         )
-    return tuple(found)
+    return tuple(people)
 
 
 def _vehicle(random, plan, kind, taken):
-    """The keys of a vehicle that fits where it starts, with places that it gets to."""
+    """Return the keys of a vehicle that fits at its start, with destinations that it can reach."""
     size, drive, speed, acceleration, _ = kind
     length, width = size
     keys = {
@@ -142,9 +142,9 @@ def _mission(random, plan):
 
 
 def _fits(plan, keys, pose, *missions):
-    given = {**keys, "at": pose, "missions": missions}
+    moving = {**keys, "at": pose, "missions": missions}
     try:
-        model = sim.KINDS["amr"].read("bot", given)
+        model = sim.KINDS["amr"].read("bot", moving)
         return not [*model.faults(plan, ()), *model.place_faults("bot", plan)]
     except UserError:
         return False
@@ -152,7 +152,7 @@ def _fits(plan, keys, pose, *missions):
 
 @cache
 def _sets(size, drive, speed, acceleration, response):
-    """Field sets of a vehicle, with the way of a person until it stands on every side."""
+    """Return field sets that include the walk of a person until the vehicle has stopped."""
     keys = {"at": (0, 0, 0), "size": size, "drive": drive}
     keys |= {"max_speed": speed, "max_acceleration": acceleration}
     model = sim.KINDS["amr"].read("bot", keys)
@@ -175,10 +175,11 @@ def _sets(size, drive, speed, acceleration, response):
 
 
 def contacts(run):
-    """Each contact of a vehicle and a person: what kind it is, the two, and its time (seconds).
+    """Yield each contact of a vehicle and a person: its kind, the two names, and its time (s).
 
-    "moving": the vehicle moves or turns as it begins, or sets out during the contact. "braking":
-    a person walks into a vehicle that brakes for its fields. "standing": the vehicle stands.
+    "moving": the vehicle moves or turns as the contact begins, or starts during the contact.
+    "braking": a person walks into a vehicle that brakes for its fields. "standing": the vehicle
+    stands.
     """
     human = run.trial.floorplan.human
     for entry in run.trial.people:
@@ -199,7 +200,7 @@ def contacts(run):
 
 
 def _stopped(run, machine, t):
-    """Whether the fields have stopped a machine at a time."""
+    """Return whether the fields have stopped a machine at a time."""
     stopped = False
     for event in run.events:
         if event["t"] > t:
@@ -210,7 +211,7 @@ def _stopped(run, machine, t):
 
 
 def field_faults(run):
-    """Return the contacts of people with vehicles that move, and who drives in spite of fields."""
+    """Yield contacts with moving vehicles, and vehicles that drive despite their fields."""
     for kind, person, machine, t in contacts(run):
         if kind != "standing":
             yield f"{machine} ({kind}) and {person} touch at t = {t:.6f} s"
@@ -231,7 +232,7 @@ def field_faults(run):
 
 
 def _stops(run):
-    """When fields stop a machine: its name, begin and end (seconds)."""
+    """Yield the stops by fields: machine, begin and end (s)."""
     since = {}
     for event in run.events:
         if event["kind"] == "field_stop":

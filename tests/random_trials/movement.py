@@ -1,4 +1,4 @@
-"""How bodies may move: clear of walls, without jumps, within limits."""
+"""Limits of motions: clear of walls, without jumps, within limits."""
 
 import math
 from itertools import pairwise
@@ -7,29 +7,29 @@ import numpy as np
 import shapely
 
 CLEARANCE = 1e-4
-"""Metres. So much closer than their radius people may be to what never moves, from rounding."""
+"""Distance by which people may be closer than their radius to fixed obstacles (m)."""
 
 JUMP = 1e-6
-"""Metres. What is no farther apart than this is one place."""
+"""m. Positions no farther apart are one place."""
 
 ROUNDING = 1e-6
-"""Metres, or m/s. What figures may be off by."""
+"""Maximum error of values (m or m/s)."""
 
 STANDS = 5e-3
-"""m/s. Who is no faster than this may turn as they like."""
+"""m/s. A slower person may turn freely."""
 
 STRAIGHT = 1e-4
-"""Radians. A smaller turn is none."""
+"""rad. A smaller turn is none."""
 
 SHARE = 1e-4
-"""Speeds and accelerations may be over a limit by this share of it."""
+"""Share of a limit by which speeds and accelerations may exceed it."""
 
 STEP = 0.02
-"""Seconds. How finely motions are sampled, besides the ends of their pieces."""
+"""Time between samples, in addition to the ends of pieces (s)."""
 
 
 def movement_faults(run):
-    """Return faults in how bodies moved."""
+    """Return faults in the motions of bodies."""
     trial, plan = run.trial, run.trial.floorplan
     for entry in trial.people:
         yield from _named(entry.name, _person_faults(run, entry))
@@ -81,10 +81,10 @@ def _person_faults(run, entry):
 
 
 def _corner_faults(motion, most):
-    """Corners that a person takes faster than an arc beside them allows, leg by leg.
+    """Yield corners that a person takes faster than an arc beside them allows, leg by leg.
 
-    The arc leaves the corner by 0.05 m at most, and takes up to half of the straight leg that led
-    there. A person may stop on that leg, and turn as they like where they stand.
+    The arc leaves the corner by 0.05 m at most, and takes up to half of the straight leg before it.
+    A person may stop on that leg, and a standing person may turn freely.
     """
     leg = 0.0
     pieces = zip(pairwise(motion.pieces), _seams(motion), strict=True)
@@ -112,13 +112,15 @@ def _corner_faults(motion, most):
 
 
 def _chord(piece):
-    """The displacement over a piece, metres."""
+    """Return the displacement over a piece (m)."""
     start, end = (state_of(piece, u)[0] for u in (0.0, piece.end - piece.begin))
     return end[0] - start[0], end[1] - start[1]
 
 
 def _angle(before, after):
-    """The angle between two displacements or velocities, radians; a half turn if one is none."""
+    """Return the angle between two displacements or velocities (rad), or a half turn if one is
+    zero.
+    """
     (vx, vy), (wx, wy) = before[:2], after[:2]
     if math.hypot(vx, vy) < ROUNDING or math.hypot(wx, wy) < ROUNDING:
         return math.pi
@@ -155,11 +157,13 @@ def _gantry_faults(motion, gantry, impacts):
     yield from _smoothness_faults(motion, impacts)
 
 
-# ---- what may not be
+# ---- faults
 
 
 def _clearance_faults(plan, motion, radius):
-    """The segments between samples, dense and at the ends of pieces, against the floor's shapes."""
+    """Check the segments between samples, dense and at the ends of pieces, against the floor's
+    shapes.
+    """
     there = [o.footprint for o in plan.obstacles if o.bottom < plan.human.height and o.top > 0]
     solid = shapely.union_all([*there, plan.boundary.exterior])
     shapely.prepare(solid)
@@ -171,9 +175,9 @@ def _clearance_faults(plan, motion, radius):
     places = np.stack(sampled(motion, times, piece)[:2], axis=1)
     same = piece[1:] == piece[:-1]
     segments = np.stack([places[:-1], places[1:]], axis=1)[same]
-    kept, first = np.unique(np.round(segments, 9), axis=0, return_index=True)
-    lines, times = shapely.linestrings(kept), times[:-1][same]
-    inside = shapely.contains_xy(plan.boundary, kept[:, 0, 0], kept[:, 0, 1])
+    distinct, first = np.unique(np.round(segments, 9), axis=0, return_index=True)
+    lines, times = shapely.linestrings(distinct), times[:-1][same]
+    inside = shapely.contains_xy(plan.boundary, distinct[:, 0, 0], distinct[:, 0, 1])
     for index in np.flatnonzero(shapely.dwithin(solid, lines, radius - CLEARANCE) | ~inside)[:3]:
         gap = shapely.distance(solid, lines[index])
         t = times[first[index]]
@@ -181,9 +185,10 @@ def _clearance_faults(plan, motion, radius):
 
 
 def _bumping_faults(run, motion, lane, radius, braking):
-    """Who walks comes no closer to an AGV that stands than their radius; or else they leave it.
+    """Yield walks towards a stationary AGV within the person's radius. Walks away from it may start
+    there.
 
-    But for the `braking` time (seconds) after it has come to rest right before them.
+    The first `braking` seconds after the AGV has come to rest do not count.
     """
     t = np.arange(0.0, run.duration, STEP)
     x, y, *velocity = sampled(motion, t)
@@ -203,7 +208,7 @@ def _bumping_faults(run, motion, lane, radius, braking):
 
 
 def _smoothness_faults(motion, impacts=()):
-    """Machines keep their position and velocity from piece to piece, but for stops at `impacts`."""
+    """Yield jumps of position or velocity of machines, except stops at `impacts`."""
     for t, at, to, before, after in _seams(motion):
         if math.dist(at, to) > JUMP:
             yield f"jumps by {math.dist(at, to):.4f} m at t = {t:.6f} s"
@@ -221,10 +226,10 @@ def _over(what, value, limit, t):
 
 
 def sampled(motion, t, piece=None):
-    """x, y and the velocities along them at `t` (seconds): (4, N).
+    """Return x, y and their velocities at `t` (seconds): (4, N).
 
-    `piece` has the number of the piece each instant belongs to; else it is the one that begins
-    there.
+    `piece` contains the number of the piece for each time. By default it is the piece that begins
+    last.
     """
     begins = np.array([piece.begin for piece in motion.pieces])
     cubics = np.array([(piece.x, piece.y) for piece in motion.pieces])
@@ -237,7 +242,7 @@ def sampled(motion, t, piece=None):
 
 
 def instants(piece, step=None):
-    """Seconds after the piece began: its ends, where speeds are greatest, and `step` apart."""
+    """Return times since the begin of a piece (s): its ends, and samples `step` apart."""
     duration = piece.end - piece.begin
     count = 2 if step is None else max(2, math.ceil(duration / step) + 1)
     turns = [-c[2] / (3 * c[3]) for c in (piece.x, piece.y, piece.rotation) if abs(c[3]) > 1e-12]
@@ -246,7 +251,7 @@ def instants(piece, step=None):
 
 
 def state_of(piece, u):
-    """Position, velocity and acceleration of x, y and rotation, `u` seconds after it began."""
+    """Return position, velocity and acceleration of x, y and rotation after `u` seconds."""
     cubics = (piece.x, piece.y, piece.rotation)
     return (
         tuple(c[0] + c[1] * u + c[2] * u**2 + c[3] * u**3 for c in cubics),
@@ -256,7 +261,7 @@ def state_of(piece, u):
 
 
 def _seams(motion):
-    """Joints of pieces: the instant, both places, and the velocities before and after."""
+    """Yield the joints of pieces: time, both positions, and the velocities before and after."""
     for one, other in pairwise(motion.pieces):
         if one.end != other.begin:
             raise AssertionError(f"a gap in time from {one.end} to {other.begin} s")

@@ -61,13 +61,13 @@ def open_hall(number):
 
 def under_way(run, name):
     """Return the intervals in which a person walks to one goal (s)."""
-    since, found = None, []
+    since, intervals = None, []
     for event in run.events:
         if event.get("person") == name and event["kind"] in ("goal", "arrived"):
             if since is not None:
-                found.append((since, event["t"]))
+                intervals.append((since, event["t"]))
             since = event["t"] if event["kind"] == "goal" else None
-    return found if since is None else [*found, (since, run.duration)]
+    return intervals if since is None else [*intervals, (since, run.duration)]
 
 
 def long_waits(run):
@@ -112,7 +112,7 @@ def dithering(run):
 
 
 def faults_in_hall(number):
-    """Return what is wrong in the trial of this number, and what else is noted, in words."""
+    """Return the faults of the trial with this number and other notes, in words."""
     try:
         trial = open_hall(number)
         run = sim.run(trial)
@@ -133,7 +133,7 @@ def faults_in_hall(number):
 
 
 def main():
-    """Run the trials, and print what is noted of each, and what is wrong."""
+    """Run the trials, and print the notes and faults of each."""
     first, count = map(int, sys.argv[1:])
     broken = 0
     for number in range(first, first + count):

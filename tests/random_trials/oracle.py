@@ -1,7 +1,7 @@
 """Oracle of vehicles: runs sampled at 200 Hz with shapely, from motions and events alone.
 
-Footprints, fields and limits are those of the numbers of the trial. Nothing that made the run
-judges it.
+Footprints, fields and limits follow from the numbers of the trial. The code that made the run does
+not judge it.
 """
 
 import importlib.util
@@ -16,7 +16,7 @@ RATE = 200.0
 """Hz."""
 
 STRIDE = 10
-"""Samples between those of which accelerations and jerks are differences."""
+"""Distance of the samples whose differences are accelerations and jerks."""
 
 DEEP = 2e-3
 """Metres. Less than this is no overlap."""
@@ -25,7 +25,7 @@ MOVES = 1e-3
 """m/s and rad/s. A body that is slower is at rest."""
 
 NEAR = 3.0 / RATE
-"""Seconds between an instant of an event and its samples."""
+"""Maximum time between an event and its samples (s)."""
 
 PATHS = ("oblivious", "pausing", "avoiding", "parked")
 """Controllers that plan paths, which lead through nothing."""
@@ -34,10 +34,10 @@ ROWS = ("people", "walls", "machines", "limits", "fields", "events")
 
 
 def vehicle_faults(run):
-    """All that is wrong with a run, in words, each with its row."""
-    found = Sampled(run)
+    """Yield all faults of a run, in words, each with its row."""
+    samples = Sampled(run)
     for row in ROWS:
-        for fault in getattr(found, row)():
+        for fault in getattr(samples, row)():
             yield f"{row}: {fault}"
 
 
@@ -58,7 +58,7 @@ class Vehicle:
         return f"{self.name} ({self.keys['controller'].split(':')[-1]})"
 
     def placed(self, polygon, k):
-        """A polygon of its frame at some samples."""
+        """Return a polygon of the vehicle's frame at some samples."""
         u, v = shapely.get_coordinates(polygon.exterior)[:-1].T
         c, s = np.cos(self.turned[k])[:, None], np.sin(self.turned[k])[:, None]
         x, y = self.x[k][:, None] + c * u - s * v, self.y[k][:, None] + s * u + c * v
@@ -66,7 +66,7 @@ class Vehicle:
 
     @cached_property
     def core(self):
-        """Its footprint without what is no overlap, if it is touched."""
+        """Footprint without the margin within which a touch is no overlap."""
         return self.outline.buffer(-DEEP, join_style="mitre")
 
     @property
@@ -76,7 +76,7 @@ class Vehicle:
 
     @property
     def stop_time(self):
-        """Time in which it stands in any case, s."""
+        """Maximum time to come to rest (s)."""
         keys = {"max_turn_speed": 1.0, "max_turn_acceleration": 1.5, "max_turn_jerk": 6.0}
         keys = {"max_speed": 1.5, "max_acceleration": 0.7, "max_jerk": 3.0, **keys, **self.keys}
         return max(
@@ -88,7 +88,9 @@ class Vehicle:
         )
 
     def velocity(self, stride=1):
-        """Speed ahead and aside (m/s) and turn rate (rad/s) between samples `stride` apart."""
+        """Return the speeds ahead and aside (m/s) and turn rate (rad/s) between samples `stride`
+        apart.
+        """
         dx, dy, dr = (np.subtract(a[stride:], a[:-stride]) for a in (self.x, self.y, self.turned))
         middle = (self.turned[stride:] + self.turned[:-stride]) / 2
         c, s = np.cos(middle), np.sin(middle)
@@ -98,7 +100,7 @@ class Vehicle:
 
 
 def outline_of(keys):
-    """The footprint of a vehicle with its load, metres."""
+    """Return the footprint of a vehicle with its load (m)."""
     length, width = keys.get("size", (1.2, 0.8))
     box = shapely.box(-length / 2, -width / 2, length / 2, width / 2)
     polygon = Polygon(keys["footprint"]) if keys.get("footprint") else box
@@ -109,13 +111,13 @@ def outline_of(keys):
 
 
 def spans_of(flags):
-    """First and last numbers of samples of each stretch that is true."""
+    """Return the first and last sample of each stretch that is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], np.asarray(flags, dtype=int), [0]])))
     return [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
 
 
 class Sampled:
-    """A run as samples, and what is wrong with it by rows."""
+    """A run as samples, and its faults by rows."""
 
     def __init__(self, run):
         self.run, self.trial, self.plan = run, run.trial, run.trial.floorplan
@@ -133,7 +135,7 @@ class Sampled:
         }
 
     def of(self, *kinds, **fields):
-        """Events of some kinds with these fields."""
+        """Return events of some kinds with these fields."""
         return [
             e
             for e in self.run.events
@@ -141,7 +143,7 @@ class Sampled:
         ]
 
     def there(self, person):
-        """Whether a person is on the floor, by samples."""
+        """Return whether a person is on the floor, by samples."""
         started = self.run.summary["people"][person]["started"]
         jumps = np.zeros(len(self.t), dtype=bool)
         return jumps if started is None else self.t >= started
@@ -149,7 +151,7 @@ class Sampled:
     # People.
 
     def people(self):
-        """People who are hit by a vehicle that moves, although they could have stepped aside."""
+        """Yield people hit by a moving vehicle although they could have stepped aside."""
         for name, vehicle in self.vehicles.items():
             for person, (at, radius) in self.people_at.items():
                 overlap = self.touches(vehicle, vehicle.outline, at, radius - DEEP)
@@ -168,30 +170,30 @@ class Sampled:
                     yield f"{vehicle} hits {person} at t = {t:.3f} s, {depth:.3f} m deep"
 
     def touches(self, vehicle, polygon, at, radius):
-        """Whether the disc of a person reaches into a polygon of a vehicle, by samples."""
-        found = np.zeros(len(self.t), dtype=bool)
+        """Return whether the disc of a person reaches into a polygon of a vehicle, by samples."""
+        touching = np.zeros(len(self.t), dtype=bool)
         reach = float(np.hypot(*shapely.get_coordinates(polygon).T).max())
         near = np.hypot(at[:, 0] - vehicle.x, at[:, 1] - vehicle.y) < reach + radius
         k = np.flatnonzero(near)
         if len(k):
             points = shapely.points(at[k])
-            found[k] = shapely.distance(vehicle.placed(polygon, k), points) < radius
-        return found
+            touching[k] = shapely.distance(vehicle.placed(polygon, k), points) < radius
+        return touching
 
     def _walks_into(self, vehicle, at, k, walks):
-        """Whether it is the person's own motion that makes the two touch."""
+        """Return whether the person's own motion makes the two touch."""
         if walks < 3 * MOVES / RATE:
             return False
         before = max(0, k - 3)
-        held = vehicle.placed(vehicle.outline, np.array([before]))[0]
+        placed = vehicle.placed(vehicle.outline, np.array([before]))[0]
         stays = vehicle.placed(vehicle.outline, np.array([k]))[0]
-        gap = held.distance(shapely.Point(at[before]))
-        by_person = gap - held.distance(shapely.Point(at[k]))
+        gap = placed.distance(shapely.Point(at[before]))
+        by_person = gap - placed.distance(shapely.Point(at[k]))
         by_vehicle = gap - stays.distance(shapely.Point(at[before]))
         return by_person >= by_vehicle
 
     def _excused(self, vehicle, person, t):
-        """Whether it is proved that no free place was within reach of the person."""
+        """Return whether a search proves that no free place was within reach of the person."""
         if importlib.util.find_spec(f"{__package__}.escape") is None:
             return False
         escape = importlib.import_module(f"{__package__}.escape")
@@ -205,7 +207,7 @@ class Sampled:
     # Walls and machines.
 
     def walls(self):
-        """Vehicles in what stands on the floor, or on paths through gates that are closed."""
+        """Yield vehicles in obstacles of the floor, or on paths through closed gates."""
         for vehicle in self.vehicles.values():
             solid = [
                 (one.name, one.footprint, None)
@@ -234,13 +236,13 @@ class Sampled:
 
     @staticmethod
     def _drives_into(inside, t, times, stop_time):
-        """Where a vehicle is in a closed door, but for one that closes too close before it."""
-        found = np.zeros(len(t), dtype=bool)
+        """Return where a vehicle is in a closed door, unless it could not stop before the door."""
+        driven = np.zeros(len(t), dtype=bool)
         for first, last in spans_of(inside):
             for begin, end in times:
                 if not t[first] <= begin + stop_time:
-                    found[first : last + 1] |= (t[first : last + 1] > begin) & (t[first] < end)
-        return found
+                    driven[first : last + 1] |= (t[first : last + 1] > begin) & (t[first] < end)
+        return driven
 
     def _through_gates(self, vehicle):
         if vehicle.keys.get("controller", "oblivious") not in PATHS:
@@ -258,7 +260,7 @@ class Sampled:
                     yield f"{vehicle.name} drives back through {gate.name} at {self.t[k]:.3f} s"
 
     def machines(self):
-        """Vehicles that overlap, whether or not the run records it."""
+        """Yield vehicles that overlap, whether or not the run records it."""
         names = [*self.vehicles]
         for k, one in enumerate(names):
             for other in names[k + 1 :]:
@@ -277,17 +279,17 @@ class Sampled:
                     yield f"{one} and {other} overlap at t = {self.t[first]:.3f} s"
 
     def _overlap(self, a, b):
-        found = np.zeros(len(self.t), dtype=bool)
+        overlapping = np.zeros(len(self.t), dtype=bool)
         near = np.hypot(a.x - b.x, a.y - b.y) < a.reach + b.reach
         k = np.flatnonzero(near & (a.moves | b.moves))
         if len(k):
-            found[k] = shapely.intersects(a.placed(a.core, k), b.placed(b.core, k))
-        return found
+            overlapping[k] = shapely.intersects(a.placed(a.core, k), b.placed(b.core, k))
+        return overlapping
 
     # Limits.
 
     def limits(self):
-        """Speeds, accelerations and jerks beyond the limits of a vehicle."""
+        """Yield speeds, accelerations and jerks beyond the limits of a vehicle."""
         for name, vehicle in self.vehicles.items():
             keys = vehicle.keys
             speed, acceleration = keys.get("max_speed", 1.5), keys.get("max_acceleration", 0.7)
@@ -303,7 +305,7 @@ class Sampled:
                 yield f"{name} jumps at t = {self.t[steps.argmax()]:.3f} s"
                 continue
             h = STRIDE / RATE
-            # Where it touches something, it stops at once.
+            # On contact the vehicle stops at once.
             impacts = [e["t"] for e in self.of("contact", machine=name)]
             fast = vehicle.velocity()
             slow = vehicle.velocity(STRIDE)
@@ -326,7 +328,8 @@ class Sampled:
                     for t in impacts:
                         worst[(begins > t - 3 * h - NEAR) & (begins < t + NEAR)] = 0.0
                     for sample in np.flatnonzero(worst > limit + more) if impacts else ():
-                        # It may press against a wall again that it has left by less than a hair.
+                        # A vehicle may press again against a wall from which it is hardly
+                        # separated.
                         if self._presses(vehicle, np.arange(sample, sample + 3 * STRIDE)):
                             worst[sample] = 0.0
                     if len(worst) and worst.max() > limit + more:
@@ -337,7 +340,7 @@ class Sampled:
                         )
 
     def _presses(self, vehicle, k):
-        """Whether a vehicle touches a wall at some of these samples."""
+        """Return whether a vehicle touches a wall at some of these samples."""
         room = self.plan.boundary.difference(
             shapely.union_all([one.footprint for one in (*self.plan.obstacles, *self.plan.doors)])
         )
@@ -347,7 +350,7 @@ class Sampled:
     # Fields.
 
     def fields(self):
-        """Fields that are occupied without an event, and machines that do not stand for them."""
+        """Yield occupied fields without an event, and machines that do not stop for them."""
         for name, fields in self.trial.fields.items():
             vehicle = self.vehicles[name]
             muted = self._muted(vehicle, fields)
@@ -369,10 +372,10 @@ class Sampled:
             yield from self._stops(vehicle, fields, clearly, gone & ~unprotected)
 
     def _applying(self, vehicle, fields):
-        """The number of the set that applies at each sample, -1 for none."""
+        """Return the number of the field set in force at each sample, -1 for none."""
         v = [np.concatenate([values, values[-1:]]) for values in vehicle.velocity()]
         speed = np.where(vehicle.moves, np.hypot(v[0], v[1]), 0.0)
-        found = np.full(len(self.t), -1)
+        numbers = np.full(len(self.t), -1)
         for k in reversed(range(len(fields.sets))):
             one = fields.sets[k]
             if one.load not in (None, vehicle.keys.get("load") is not None):
@@ -384,8 +387,8 @@ class Sampled:
                 first, last = one.direction
                 angle = (np.arctan2(v[1], v[0]) - first + 1e-3) % math.tau
                 fits &= (speed < MOVES) | (angle <= last - first + 2e-3)
-            found[fits] = k
-        return found
+            numbers[fits] = k
+        return numbers
 
     def _muted(self, vehicle, fields):
         muted = np.zeros(len(self.t), dtype=bool)
@@ -398,7 +401,7 @@ class Sampled:
         return muted
 
     def _muting_events(self, name, muted):
-        """Events of muting that the samples do not have, or the other way round."""
+        """Yield differences between the events of muting and the samples."""
         state, mine = np.zeros(len(self.t), dtype=bool), 0.0
         since = None
         for e in self.of("fields_muted", "fields_unmuted", machine=name):
@@ -415,18 +418,18 @@ class Sampled:
                 yield f"muting of {name} differs for {mine:.3f} s at t = {self.t[first]:.3f} s"
 
     def _intervals(self, begins, ends, **fields):
-        """Spans (s) between two kinds of events; the last one may be open."""
-        found, since = [], None
+        """Return the intervals (s) between two kinds of events. The last one may be open."""
+        intervals, since = [], None
         for e in self.of(begins, ends, **fields):
             if e["kind"] == begins and since is None:
                 since = e["t"]
             elif e["kind"] == ends and since is not None:
-                found.append((since, e["t"]))
+                intervals.append((since, e["t"]))
                 since = None
-        return found if since is None else [*found, (since, math.inf)]
+        return intervals if since is None else [*intervals, (since, math.inf)]
 
     def _responses(self, vehicle, fields, inside):
-        """Intrusions for which a vehicle is not stopped after the response time."""
+        """Yield intrusions for which a vehicle is not stopped after the response time."""
         stops = self._intervals("field_stop", "field_stop_ended", machine=vehicle.name)
         for first, _ in spans_of(inside):
             due = self.t[first] + fields.response_time + NEAR
@@ -436,7 +439,9 @@ class Sampled:
                 yield f"{vehicle.name} is not stopped at t = {due:.3f} s"
 
     def _stops(self, vehicle, fields, inside, free):
-        """Stops in which a vehicle does not stand in time, or that end too early or too late."""
+        """Yield stops in which a vehicle does not come to rest in time, or that end at the wrong
+        time.
+        """
         longest = vehicle.stop_time
         blind = self._intervals("blackout_began", "blackout_ended", machine=vehicle.name)
         dark = np.zeros(len(self.t), dtype=bool)
@@ -470,7 +475,7 @@ class Sampled:
     # Events and figures.
 
     def events(self):
-        """Figures of the summary that the events do not add up to."""
+        """Yield figures of the summary that differ from the events."""
         summary, run = self.run.summary, self.run
         if summary["collisions"] != len(self.of("collision")):
             yield "collisions are not those of the events"
@@ -507,9 +512,9 @@ class Sampled:
         yield from self._walked()
 
     def _idle(self, name, idle):
-        """A vehicle whose idle time is not the time that it stands for no reason."""
+        """Yield a vehicle whose idle time differs from the time that it stands without a reason."""
         if self.of("contact", machine=name):
-            return  # it stands until its controller moves it
+            return  # the vehicle stands until its controller moves it
         spans = self._intervals("machine_waiting", "machine_proceeds", machine=name)
         for kind in ("field_stop", "protective_stop"):
             spans += self._intervals(kind, f"{kind}_ended", machine=name)
@@ -528,7 +533,7 @@ class Sampled:
             yield f"idle_time of {name} is {idle}, and it stands freely for {free}"
 
     def _walked(self):
-        """People whose distance is not that of their samples, unless something moves them."""
+        """Yield people whose distance differs from their samples, unless they were put home."""
         for person, (at, _) in self.people_at.items():
             steps = np.hypot(*np.diff(at[self.there(person)], axis=0).T)
             figure = self.run.summary["people"][person]["distance_walked"]
@@ -536,7 +541,7 @@ class Sampled:
                 yield f"{person} walked {steps.sum():.3f} m, not {figure}"
 
     def _arrivals(self):
-        """Jobs that are done elsewhere than where they lead."""
+        """Yield jobs that end elsewhere than at their destination."""
         stations = {one.name: one.position for one in self.plan.stations}
         for name, vehicle in self.vehicles.items():
             missions = vehicle.keys.get("missions", ())

@@ -1,4 +1,4 @@
-"""The rule set, applied anew to the violations of a run, and its figures, counted from events."""
+"""The rule set, applied again to the violations of a run, and its figures, counted from events."""
 
 import itertools
 import math
@@ -13,21 +13,21 @@ from .movement import instants, state_of
 from .separation import measured_point, pose_before
 
 INSTANT = 1e-8
-"""Seconds. Times in events are rounded: what is no farther apart may be at once."""
+"""s. Times in events are rounded, so those no farther apart may be equal."""
 
 FIGURE = 1e-5
-"""Metres or m/s. What figures in events may be off by."""
+"""Maximum error of values in events (m or m/s)."""
 
 REACH = 1.25
-"""Metres. So near to a station somebody may have arrived, if another keeps them from it."""
+"""Distance to a station at which a person blocked by another has arrived (m)."""
 
 
 SOON = 6.0
-"""Seconds. People may be committed to walk over a place that they can reach by then."""
+"""s. People may be committed to walk over any place that they can reach by then."""
 
 
 def rule_faults(run):
-    """Return faults: events that the rules ask for and are missing, or that they do not."""
+    """Return faults: required events that are missing, and events without a reason."""
     yield from _event_faults(run)
     yield from _violation_faults(run)
     yield from _consequence_faults(run)
@@ -46,7 +46,7 @@ def _event_faults(run):
 
 
 def _violation_faults(run):
-    """Each violation is one of the monitor's intervals, with figures that are so; and back."""
+    """Check that violations and the monitor's intervals correspond, with correct figures."""
     recorded = [event for event in run.events if event["kind"] == "violation"]
     for event in recorded:
         t, person, machine = event["t"], event["person"], event["with"]
@@ -54,10 +54,10 @@ def _violation_faults(run):
         if not any(a - INSTANT <= t <= b + INSTANT for a, b in intervals):
             yield f"a violation that the monitor does not know: {event}"
         if t < INSTANT:
-            continue  # a motion does not know where somebody was before they were put elsewhere
+            continue  # a motion does not contain the position before a teleport
         there, robot = pose_before(run, machine, t)
         point = np.add(there, measured_point(run, machine))
-        # At the instant at which somebody is put elsewhere, it may be there.
+        # At the time of a teleport, the person may be at its target.
         puts = [
             e["to"]
             for e in run.events
@@ -65,9 +65,9 @@ def _violation_faults(run):
         ]
         poses = [pose_before(run, person, t), *((at, 0.0) for at in puts)]
         wanted = [event[name] for name in ("distance", "human_speed", "robot_speed")]
-        found = [(math.dist(at, point), human, robot) for at, human in poses]
-        if not any(np.allclose(wanted, figures, rtol=0, atol=FIGURE) for figures in found):
-            yield f"it was {found}: {event}"
+        measured = [(math.dist(at, point), human, robot) for at, human in poses]
+        if not any(np.allclose(wanted, figures, rtol=0, atol=FIGURE) for figures in measured):
+            yield f"it was {measured}: {event}"
         if event["distance"] > event["required"] + FIGURE:
             yield f"a violation without need: {event}"
         if robot > FIGURE and event["cause"] == "person":
@@ -112,13 +112,13 @@ def _consequence_faults(run):
         if rules.machine == "stop" and not _is_stopped(run, event["with"], t):
             yield f"the machine is not stopped: {event}"
     people = run.trial.people
-    # A program of their own may send people home whenever it likes.
+    # Custom programs may send people home at any time.
     free = {entry.name for entry in people if not isinstance(entry.personality, str)}
     late = Counter()
     for event in run.events:
         t, person = event["t"], event.get("person")
         if event["kind"] == "teleport" and person not in free and (person, round(t, 6)) not in sent:
-            # Who violates once more during the pause goes home once more after it.
+            # A person who violates again during the pause goes home again after it.
             late[person] += 1
             if late[person] > sum(who == person and when < t for who, when in sent):
                 yield f"put home without need: {event}"
@@ -129,7 +129,7 @@ def _consequence_faults(run):
 
 
 def _ends_at_home(run, event, person):
-    """Somebody is put home, or stays where an AGV leaves no room there."""
+    """Return whether a person is put home, or stays where an AGV leaves no room there."""
     if event.get("person") != person:
         return False
     if event["kind"] != "path_blocked":
@@ -146,7 +146,7 @@ def _is_stopped(run, machine, t):
 
 
 def _stops(run):
-    """The intervals in which each machine had to stand, by what the events say."""
+    """Return the intervals in which each machine had to stand, according to the events."""
     stops, since = {}, {}
     for event in run.events:
         if event["kind"] == "protective_stop":
@@ -160,7 +160,7 @@ def _stops(run):
 
 
 def _disabled(run):
-    """The intervals in which the gantry is disabled, from when it was and for how long."""
+    """Return the intervals in which the gantry is disabled, from their begins and durations."""
     intervals, since, until = [], None, -math.inf
     for event in run.events:
         if event["kind"] == "gantry_disabled":
@@ -173,7 +173,7 @@ def _disabled(run):
 
 
 def _standing_faults(run):
-    """A machine that is disabled or stopped comes to rest at once, and stays there."""
+    """Check that disabled and stopped machines come to rest at once, and stay there."""
     plan = run.trial.floorplan
     enabled = [e["t"] for e in run.events if e["kind"] == "gantry_enabled"]
     due = [until for _, until in _disabled(run) if until < run.duration - INSTANT]
@@ -182,10 +182,12 @@ def _standing_faults(run):
     ):
         yield f"the gantry is enabled at {enabled}, and should be at {due}"
     standing = [("gantry", *interval) for interval in _disabled(run)]
-    standing += [(name, *interval) for name, found in _stops(run).items() for interval in found]
+    standing += [
+        (name, *interval) for name, intervals in _stops(run).items() for interval in intervals
+    ]
     for machine, begin, end in standing:
         if machine == "gantry":
-            # Bring the acceleration down, brake, and bring it down again.
+            # Reduce the acceleration to zero, brake, and reduce the deceleration to zero.
             braking = max(
                 axis.max_speed / axis.max_acceleration + 3 * axis.max_acceleration / axis.max_jerk
                 for axis in plan.gantry.axes
@@ -201,12 +203,12 @@ def _standing_faults(run):
 
 
 def _yielding_faults(run):
-    """An AGV that yields comes too close to nobody who was not put down in front of it."""
+    """Check that a yielding AGV comes too close only to people who were put down in front of it."""
     for event in run.events:
         if event["kind"] != "violation" or event["with"] not in run.trial.yielding:
             continue
         lane, t = run.trial.floorplan.lane(event["with"]), event["t"]
-        # It looks ten times a second, and then brakes.
+        # It checks ten times a second, and then brakes.
         since = t - 0.2 - lane.max_speed / lane.max_acceleration
         put = [e["t"] for e in run.events if e["kind"] == "teleport" and since <= e["t"] <= t]
         if not put:
@@ -214,7 +216,7 @@ def _yielding_faults(run):
 
 
 def _figure_faults(run):
-    """The summary says what the events and motions say."""
+    """Check the figures of the summary against events and motions."""
     events = Counter(event["kind"] for event in run.events)
     violations = [event for event in run.events if event["kind"] == "violation"]
     with_gantry = [event for event in violations if event["with"] == "gantry"]
@@ -235,7 +237,7 @@ def _figure_faults(run):
         yield f"the summary says {summary['violations']}, of {len(with_gantry)} with the gantry"
     times = {
         "gantry_disabled_time": [(a, min(b, run.duration)) for a, b in _disabled(run)],
-        "protective_stop_time": [i for found in _stops(run).values() for i in found],
+        "protective_stop_time": [i for stops in _stops(run).values() for i in stops],
     }
     for name, intervals in times.items():
         seconds = sum(b - a for a, b in intervals)
@@ -279,8 +281,8 @@ def _person_faults(run, person, figures):
             yield f"is at {at} at {speed} m/s: {event}"
         if event["station"] is not None:
             place = plan.station(event["station"]).position
-            # By somebody who is there, or whose way there is already theirs; within reach of the
-            # station anybody else who is within reach of it may be in the way.
+            # The station is taken by a person who is there or is committed to go there. Within
+            # reach of the station, any other person within reach of it may be in the way.
             soon = (event["t"] + wait for wait in (0.0, 1.0, 2.0, 3.0))
             near = REACH + radius if math.dist(place, event["at"]) < REACH else 2.5 * radius
             taken = any(_away(run, person, place, t) < near for t in soon)
@@ -293,7 +295,7 @@ def _person_faults(run, person, figures):
 
 
 def _overlap_faults(run):
-    """Nobody overlaps anybody, by the exact monitor."""
+    """Check with the exact monitor that no two people overlap."""
     for one, other in itertools.combinations(run.summary["people"], 2):
         a, b = run.motions[one], run.motions[other]
         t, apart = minimum_separation(a, b, 0.0, run.duration)
@@ -302,7 +304,7 @@ def _overlap_faults(run):
 
 
 def _away(run, person, place, t):
-    """Return the distance of the nearest other person from a place, metres."""
+    """Return the distance to the nearest other person from a place (m)."""
     others = [name for name in run.summary["people"] if name != person]
     gaps = [math.dist(pose_before(run, name, t)[0], place) for name in others]
     return min(gaps, default=math.inf)
@@ -323,11 +325,11 @@ def _top_speed(run, person):
 
 
 ANNOUNCED = 10.0
-"""Seconds before an AGV sets out at which people reckon with it."""
+"""Time before the start of an AGV from which people take it into account (s)."""
 
 
 def _beside_home_faults(run, event, home, radius):
-    """Somebody is put beside their home only if an AGV or a person is there, or may be soon."""
+    """Check that people are put beside their home only if it is taken, or may be soon."""
     plan, t = run.trial.floorplan, event["t"]
     gaps = []
     for lane in plan.lanes:
@@ -341,7 +343,7 @@ def _beside_home_faults(run, event, home, radius):
             gaps.append(on_lane.distance(shapely.Point(home)) - lane.length)
     others = [entry.name for entry in run.trial.people if entry.name != event["person"]]
     places = [(name, pose_before(run, name, t)[0]) for name in others]
-    # Two may be sent home at the same instant, and share it.
+    # Two people may be sent home at the same time, and share it.
     earlier = run.events[: run.events.index(event)]
     places += [
         (other["person"], other["to"])

@@ -12,23 +12,23 @@ from navigation import Moving, TooClose, when
 from .movement import sampled, state_of
 
 STEP = 0.01
-"""Seconds. How finely motions are sampled."""
+"""Time between samples (s)."""
 
 SLACK = 1e-6
-"""Metres. How far a distance may be from where it counts as too close, for rounding."""
+"""Maximum error of a distance compared with the required one, from rounding (m)."""
 
 LOOSE = 0.03
-"""Metres. The same where the requirement is known from a curve only."""
+"""Maximum error if the required distance comes from a curve (m)."""
 
 RESOLUTION = 1e-6
-"""Seconds. Intervals that last no longer than this are none, nor are such gaps between two."""
+"""s. Shorter intervals, and shorter gaps between intervals, are ignored."""
 
 AGV_STANDS = 0.01
-"""m/s. An AGV that is no faster never counts."""
+"""m/s. A slower AGV never counts."""
 
 
 def separation_faults(run):
-    """Return intervals of violation that are not those in which distances are too short."""
+    """Yield differences of the recorded violations from intervals with too short a distance."""
     for (person, machine), intervals in run.violations.items():
         for fault in _pair_faults(run, person, machine, intervals):
             yield f"{person} and {machine}: {fault}"
@@ -38,12 +38,12 @@ def separation_faults(run):
 
 
 def measured_point(run, machine):
-    """The point, from the centre of a machine, to which distances are measured (x, y)."""
+    """Return the point to which distances are measured, from the centre of a machine (x, y)."""
     return run.scene.rules.measured_at(run.scene.machine(machine))
 
 
 def law_of(run, machine):
-    """The law that holds beside a machine."""
+    """Return the law in force beside a machine."""
     rules = run.trial.rules
     if machine in rules.laws:
         return rules.laws[machine]
@@ -55,10 +55,9 @@ def _drives(run, machine):
 
 
 def _referee_faults(run):
-    """The intervals of a run are those of the exact monitor, on the finished motions.
+    """Compare the intervals of a run with those of the exact monitor on the finished motions.
 
-    A law that looks ahead is asked about what the two were about to do: then on their plans, which
-    the same trial makes again.
+    A predictive law refers to the plans at each time. The same trial recreates these plans.
     """
     plans = None
     for (person, machine), intervals in run.violations.items():
@@ -72,12 +71,12 @@ def _referee_faults(run):
             plans = plans or _plans_of(run.trial)
             spans = _agreed(plans[person], plans[machine], run.duration)
         to = measured_point(run, machine)
-        found = [
+        exact = [
             interval
             for begin, end, one, other in spans
             for interval in when(condition, one, other.translated(*to), begin, end)
         ]
-        expected, recorded = _lasting(found), _lasting(intervals)
+        expected, recorded = _lasting(exact), _lasting(intervals)
         if len(expected) != len(recorded) or not np.allclose(
             expected, recorded, rtol=0.0, atol=RESOLUTION
         ):
@@ -93,14 +92,14 @@ def _plans_of(trial):
 
 
 def _agreed(one, other, end):
-    """Yield from when to when two bodies kept to a plan, and the plans (motions) of both."""
+    """Yield the intervals in which two bodies kept to a plan, and the plans (motions) of both."""
     changes = sorted({t for t in (*one.changes, *other.changes) if t < end} | {end})
     for a, b in pairwise(changes):
         yield a, b, one.at(a), other.at(a)
 
 
 def _lasting(intervals):
-    """Return intervals as one where they touch, without those that last for no time."""
+    """Return intervals joined where they touch, without those of zero duration."""
     joined = []
     for begin, end in intervals:
         if joined and begin - joined[-1][1] <= RESOLUTION:
@@ -129,7 +128,7 @@ def _pair_faults(run, person, machine, intervals):
     ends = np.array(intervals).reshape(-1, 2)
     if (ends[:, 1] < ends[:, 0]).any() or (ends[1:, 0] < ends[:-1, 1]).any():
         yield f"intervals that overlap: {intervals}"
-    # At the very ends, an interval may be off by what the monitor resolves.
+    # At its ends, an interval may be off by the resolution of the monitor.
     index = np.searchsorted(ends[:, 0] - SLACK, t, side="right") - 1
     inside = (index >= 0) & (t <= ends[index, 1] + SLACK) if len(ends) else np.zeros(len(t), bool)
     index = np.searchsorted(ends[:, 0] + SLACK, t, side="right") - 1
@@ -144,28 +143,28 @@ def _pair_faults(run, person, machine, intervals):
 
 
 def _nearest_faults(run, person):
-    """The summary's nearest approach to the gantry, against samples."""
+    """Compare the summary's nearest approach to the gantry with samples."""
     figures = run.summary["people"][person]
-    found, begin = figures["minimum_separation"], figures["started"]
-    if found is None or begin is None:
+    nearest, begin = figures["minimum_separation"], figures["started"]
+    if nearest is None or begin is None:
         return
     t, distance, _, _ = _side_by_side(run, person, "gantry")
     distance = distance[t >= begin]
     if not len(distance):
         return
-    if found["distance"] > distance.min() + SLACK:
-        yield f"came nearer than {found['distance']} m: {distance.min()} m"
-    if found["distance"] < distance.min() - 4.0 * STEP:
-        yield f"never came as near as {found['distance']} m: {distance.min()} m"
+    if nearest["distance"] > distance.min() + SLACK:
+        yield f"came nearer than {nearest['distance']} m: {distance.min()} m"
+    if nearest["distance"] < distance.min() - 4.0 * STEP:
+        yield f"never came as near as {nearest['distance']} m: {distance.min()} m"
 
 
 def _side_by_side(run, person, machine):
-    """Instants, the distance then (metres), and both speeds (m/s)."""
+    """Return times (s), distances (m), and both speeds (m/s)."""
     dx, dy = measured_point(run, machine)
     one, other = run.motions[person], run.motions[machine]
     cuts = sorted({p.begin for m in (one, other) for p in m.pieces} | {run.duration})
     times = [
-        # Not the instant itself of a change, where it matters on which side of it one looks.
+        # Omit the exact time of a change, because the values differ on its two sides.
         np.linspace(a + 1e-9, b - 1e-9, max(2, math.ceil((b - a) / STEP) + 1))
         for a, b in pairwise(cuts)
         if b - a > 1e-8
@@ -176,7 +175,7 @@ def _side_by_side(run, person, machine):
 
 
 def pose_before(run, name, t):
-    """Position and speed of a body just before `t` (seconds), the one after at the very start."""
+    """Return position and speed of a body just before `t` (s), or just after at the start."""
     pieces = run.motions[name].pieces
     k = bisect_right([piece.begin for piece in pieces], t - 2e-9) - 1
     piece = pieces[max(k, 0)]
@@ -185,5 +184,5 @@ def pose_before(run, name, t):
 
 
 def is_of_speeds(law):
-    """Return whether two speeds are all that `law` asks for."""
+    """Return whether `law` depends only on two speeds."""
     return hasattr(getattr(law, "law", law), "distance")

@@ -21,34 +21,34 @@ from . import (
 )
 
 
-# In 20177, a person gives way who has approached another.
+# In 20177, a person who has approached another gives way.
 @pytest.mark.parametrize("number", [*range(8), 11, 20177])
-def test_nothing_is_broken(number):
+def test_random_trials_have_no_faults(number):
     assert faults(sim.run(random_trial(number))) == []
 
 
 @pytest.mark.parametrize("number", range(6))
-def test_nothing_is_broken_where_people_walk_as_measured(number):
+def test_trials_with_recorded_people_have_no_faults(number):
     assert faults(sim.run(tracked_trial(number))) == []
 
 
 @pytest.mark.parametrize("number", range(6))
-def test_nothing_is_broken_by_doors_and_vehicles(number):
+def test_trials_with_doors_and_vehicles_have_no_faults(number):
     assert faults(sim.run(random_trial_with_doors(number))) == []
 
 
 @pytest.mark.parametrize("number", [0, 1, 3])
-def test_no_vehicle_with_fields_touches_anybody(number):
+def test_a_vehicle_with_fields_touches_no_person(number):
     assert faults(sim.run(random_trial_with_fields(number))) == []
 
 
 @pytest.mark.parametrize("number", [5, 13, 14, 17])
-def test_vehicles_of_all_kinds_break_nothing(number):
+def test_trials_of_all_kinds_of_vehicles_have_no_faults(number):
     assert [*vehicle_faults(sim.run(random_trial_of_vehicles(number)))] == []
 
 
 def tampered_run(run, name, motion=None, **changed):
-    """The run with another motion of a vehicle, or other events or figures."""
+    """Return the run with another motion of a vehicle, or with other events or figures."""
     motions = run.motions | ({} if motion is None else {name: motion})
     return SimpleNamespace(
         **{
@@ -62,8 +62,8 @@ def tampered_run(run, name, motion=None, **changed):
     )
 
 
-def test_what_vehicles_break_is_found(monkeypatch):
-    """A vehicle among people, whose motion, events and figures are then changed."""
+def test_faults_of_vehicles_are_detected(monkeypatch):
+    """Tamper with the motion, events and figures of a vehicle among people."""
     trials = map(random_trial_of_vehicles, range(50))
     trial = next(one for one in trials if len(one.people) > 1 and len(one.machines) > 1)
     run = sim.run(replace(trial, duration=20.0))
@@ -75,7 +75,7 @@ def test_what_vehicles_break_is_found(monkeypatch):
     turned = float(run.motions[one].rotation(0.0))
 
     def to(place, seconds=4.0):
-        """A motion that goes to a place from 3 m away, and stays there."""
+        """Return a motion that goes to a place from 3 m away, and stays there."""
         places = [(place[0] - 3.0, place[1]), (place[0] - 3.0, place[1]), place, place]
         times = [0.0, end - 5.0 - seconds, end - 5.0, end]
         return navigation.Motion.from_samples(times, places, [turned] * 4)
@@ -97,29 +97,29 @@ def test_what_vehicles_break_is_found(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(100, 120, 5))
-def test_vehicles_of_all_kinds_break_nothing_in_many_more(first):
+def test_many_trials_of_all_kinds_of_vehicles_have_no_faults(first):
     numbers = range(first, first + 5)
-    found = {n: [*vehicle_faults(sim.run(random_trial_of_vehicles(n)))] for n in numbers}
-    assert {number: wrong for number, wrong in found.items() if wrong} == {}
+    by_trial = {n: [*vehicle_faults(sim.run(random_trial_of_vehicles(n)))] for n in numbers}
+    assert {number: wrong for number, wrong in by_trial.items() if wrong} == {}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(100, 120, 5))
-def test_no_vehicle_with_fields_touches_anybody_in_many_more(first):
-    found = {n: faults(sim.run(random_trial_with_fields(n))) for n in range(first, first + 5)}
-    assert {number: wrong for number, wrong in found.items() if wrong} == {}
+def test_a_vehicle_with_fields_touches_no_person_in_many_trials(first):
+    by_trial = {n: faults(sim.run(random_trial_with_fields(n))) for n in range(first, first + 5)}
+    assert {number: wrong for number, wrong in by_trial.items() if wrong} == {}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(100, 150, 10))
-def test_nothing_is_broken_in_many_more(first):
+def test_many_random_trials_have_no_faults(first):
     numbers, kinds = range(first, first + 10), (random_trial, tracked_trial)
-    found = {(n, kind.__name__): faults(sim.run(kind(n))) for n in numbers for kind in kinds}
-    assert {key: wrong for key, wrong in found.items() if wrong} == {}
+    by_trial = {(n, kind.__name__): faults(sim.run(kind(n))) for n in numbers for kind in kinds}
+    assert {key: wrong for key, wrong in by_trial.items() if wrong} == {}
 
 
-def test_what_is_broken_is_found():
-    """A run with violations, in which somebody then does what may not be."""
+def test_faults_of_people_and_rules_are_detected():
+    """Tamper with the people of a run with violations."""
     run = next(
         run
         for run in map(sim.run, map(random_trial, range(0, 100, len(sim.RULE_SETS))))
@@ -154,4 +154,4 @@ def test_what_is_broken_is_found():
         "the closed door shut is there": {"trial": replace(run.trial, floorplan=shut)},
     }
     for fault, change in tampered.items():
-        assert any(fault in found for found in faults(replace(run, **change))), fault
+        assert any(fault in reported for reported in faults(replace(run, **change))), fault

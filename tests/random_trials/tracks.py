@@ -1,7 +1,7 @@
-"""Random trials with people who walk as measured, any law, and a vehicle that stops at once.
+"""Random trials with recorded people, any law, and a vehicle that stops at once.
 
-Motions of people and AGVs end at rest. Tracks end wherever somebody stopped measuring, and a custom
-machine may do what it likes.
+Motions of people and AGVs end at rest. Tracks end where the recording stopped, and a custom machine
+may behave in any way.
 """
 
 import math
@@ -25,7 +25,7 @@ class OfSpeeds:
 
 
 class OfMotions:
-    """A custom law of motions: what somebody walks within 0.8 s, and a length."""
+    """Custom law of motions: the walk of the person within 0.8 s, plus a length."""
 
     def required(self, encounter, begin, end):
         """Return the required distance (m) from `begin` to `end` (s)."""
@@ -92,7 +92,7 @@ class MovingCart(sim.Machine):
         self._drive()
 
     def hold(self, stands):
-        """Stop where it is, at once, and set out again."""
+        """Stop at once, or start again."""
         now = self._stage.clock.now
         self.body.follow(navigation.standing(self.body.at, start=now))
         self._next.set(None if stands else now + self._model.pause)
@@ -109,7 +109,7 @@ class MovingCart(sim.Machine):
 
 
 def tracked_trial(number):
-    """Return the random trial of this number with people who were measured, and another law."""
+    """Return the random trial of this number with recorded people and another law."""
     random = Random(f"track {number}")
     trial = random_trial(number)
     law, of_cart = (random.choice(LAWS) for _ in range(2))
@@ -134,7 +134,7 @@ def tracked_trial(number):
 
 
 def _tracked(random, trial, k):
-    """Return somebody whose track ends as they walk, often before the trial does."""
+    """Return a person whose track ends in motion, often before the trial does."""
     bounds = np.array(trial.floorplan.boundary.bounds).reshape(2, 2)
     count = random.randint(3, 40)
     steps = np.array([random.uniform(0.2, 0.6) for _ in range(count)])
@@ -147,8 +147,8 @@ def _tracked(random, trial, k):
             at + speed * step * np.array([math.cos(angle), math.sin(angle)]), *(bounds + 1e-6)
         )
     t = np.concatenate([[0.0], np.cumsum(steps[1:])])
-    # The samples of a tracker are joined by a monotone cubic, which comes to rest where it turns;
-    # one piece at a steady speed after them ends in motion.
+    # A monotone cubic joins the samples of a tracker and comes to rest where it turns. One more
+    # piece at constant speed ends in motion.
     motion = navigation.Motion.from_samples(t, np.array(places))
     (x, y), end = places[-1].tolist(), float(t[-1])
     last = random.uniform(0.3, 2.0)

@@ -26,11 +26,11 @@ LAWS = (
     navigation.IntegralLaw(t1=0.5, t2=0.5, intrusion=0.8),
     navigation.ApproachLaw(time=1.0, intrusion=0.5),
 )
-"""Laws besides those of the rule sets."""
+"""Laws in addition to those of the rule sets."""
 
 
 def random_trial(number):
-    """The trial of this number: always the same, whatever was tried before it."""
+    """Return the trial of this number, independent of the trials before it."""
     random = Random(number)
     plan = random_floor(random)
     lanes = {lane.name: lane for lane in plan.lanes}
@@ -49,9 +49,10 @@ def random_trial(number):
 
 
 def random_trial_with_doors(number):
-    """The trial of this number of the second family: doors that close at random, and vehicles.
+    """Return the trial of this number in the second family: vehicles and doors that close at
+    random.
 
-    Half of them have one person alone.
+    Half of these trials have one person alone.
     """
     random = Random(f"doors {number}")
     plan = divided_floor(random)
@@ -82,7 +83,7 @@ def random_trial_with_doors(number):
 
 
 def _intervals(random, duration):
-    """Intervals in order; most doors close while somebody goes through."""
+    """Yield intervals in order, in which most doors close while a person walks through."""
     t = random.choice([0.0, random.uniform(1.0, 15.0)])
     while t < duration:
         end = t + random.choice([0.5, 3.0, random.uniform(1.0, 30.0)])
@@ -91,7 +92,7 @@ def _intervals(random, duration):
 
 
 def _visitor(random, plan, machines, k):
-    """Somebody who patrols, or wanders, and starts away from vehicles of other kinds."""
+    """Return a person who patrols or wanders, and starts away from vehicles of other kinds."""
     parked = [at for machine in machines.values() for at in _course(machine)]
     at = standing_place(random, plan)
     doors = shapely.union_all([door.footprint for door in plan.doors])
@@ -116,13 +117,13 @@ def _visitor(random, plan, machines, k):
 
 
 def _course(machine):
-    """Where a vehicle starts, and where it turns."""
+    """Return the course of a vehicle: its start and its turning points."""
     keys = machine.keys
     return keys["course"] if "course" in keys else [keys["origin"]]
 
 
 def _vehicle(random, plan, duration):
-    """A vehicle that the floor does not have: an AGV head-on, or a tugger; None for no room."""
+    """Return a vehicle that the floor does not have (an AGV head-on or a tugger), or None."""
     solid = shapely.union_all(
         [
             plan.boundary.exterior,
@@ -169,7 +170,7 @@ def _vehicle(random, plan, duration):
 
 @cache
 def _tugger():
-    """The machine of the examples that the library does not know."""
+    """Return the machine of the examples that the library does not know."""
     file = Path(__file__).parents[2] / "examples" / "tugger.py"
     spec = importlib.util.spec_from_file_location("tugger", file)
     module = sys.modules["tugger"] = importlib.util.module_from_spec(spec)
@@ -178,7 +179,7 @@ def _tugger():
 
 
 def _rules(random, number):
-    """Each built-in rule set in turn; some with another law."""
+    """Return a built-in rule set by turns, sometimes with another law."""
     rules = [*sim.RULE_SETS.values()][number % len(sim.RULE_SETS)]
     if random.random() < 0.2:
         rules = replace(rules, agv_law=random.choice(LAWS))
@@ -188,18 +189,20 @@ def _rules(random, number):
 
 
 def _apart(people, plan):
-    """Let those start at home who would start on somebody else; anywhere, if others do so."""
-    found = []
+    """Move people whose start overlaps another person to their homes, or anywhere if these are
+    taken.
+    """
+    placed = []
     for person in people:
-        for other in found:
+        for other in placed:
             radii = [entry.radius or plan.human.radius for entry in (person, other)]
             places = [entry.place_on(plan) for entry in (person, other)]
             if all(places) and math.dist(*places) < sum(radii):
                 person = replace(person, at=None)
-        if person.at is None and any(other.at is None for other in found):
+        if person.at is None and any(other.at is None for other in placed):
             person = replace(person, at="anywhere")
-        found.append(person)
-    return tuple(found)
+        placed.append(person)
+    return tuple(placed)
 
 
 def _person(random, plan, k):
@@ -229,7 +232,7 @@ def _crowded(plan, at, radius):
 
 
 def _start_place(random, plan, radius):
-    """Often right beside an AGV, or between one and a wall."""
+    """Return a starting place, often right beside an AGV, or between an AGV and a wall."""
     if plan.lanes and random.random() < 0.5:
         lane = random.choice(plan.lanes)
         q = random.choice([lane.locations[lane.start], random.uniform(*lane.limits)])
@@ -245,7 +248,7 @@ def _personality(random, plan):
 
 
 def _wanderer(random, plan):
-    """A program of errands to random places, at random instants, with whatever else one can do."""
+    """Return a program of errands to random places at random times, with all other actions."""
     west, south, east, north = plan.boundary.bounds
 
     def step():

@@ -4,7 +4,7 @@ import math
 
 
 def ahead(vehicle):
-    """Always ahead, and on after each stop."""
+    """Always drive ahead, also after each stop."""
     return (0.7, 0.0)
 
 
@@ -21,19 +21,19 @@ def spinning(vehicle):
 
 
 def hesitant(vehicle):
-    """Ahead, and now and then back or not at all."""
+    """Drive ahead, sometimes backwards, and sometimes stand."""
     return ((0.6, 0.0), None, (-0.3, 0.2), (0.0, 0.0))[int(vehicle.now / 1.7) % 4]
 
 
 def shy(vehicle):
-    """Ahead, but away from people who are near."""
+    """Drive ahead, but away from people who are near."""
     x, y, _ = vehicle.position
     near = any(math.dist(one.at, (x, y)) < 2.5 for one in vehicle.people)
     return (-0.3, 0.4) if near else (0.6, 0.15)
 
 
 def by_hand(vehicle):
-    """Twists, stops and waits by turns."""
+    """Drive by twists, stops and waits by turns."""
     while True:
         if not vehicle.disabled:
             yield vehicle.twist((0.5, 0.3), 2.0)

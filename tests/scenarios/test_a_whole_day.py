@@ -9,11 +9,11 @@ import sim
 
 HOUR = 3600.0
 MOST_GROWN = 20e6
-"""Bytes that 23 hours of what happened may take up: some 60,000 motions and 34,000 events."""
+"""Bytes that 23 hours may take up: approximately 60,000 motions and 34,000 events."""
 
 
 def resident():
-    """The memory that this process takes up now, bytes."""
+    """Return the memory that this process takes up now (bytes)."""
     pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
     return int(pages) * os.sysconf("SC_PAGE_SIZE")
 

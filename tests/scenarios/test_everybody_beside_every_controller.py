@@ -1,4 +1,4 @@
-"""Each personality beside each gantry controller: what holds whoever meets whom."""
+"""Each personality beside each gantry controller, in every combination."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ CAUTIOUS = ("pausing", "avoiding")
 
 @pytest.fixture(scope="module")
 def ariac_cell():
-    """A shorter shift, so that all of them fit."""
+    """A shorter shift, in which all combinations fit."""
     return sim.Trial.parse(
         """
 floorplan: ariac2023
@@ -33,7 +33,7 @@ expect:
 
 @pytest.mark.personalities("all")
 @pytest.mark.controllers("all")
-def test_the_referee_is_obeyed_and_right(run_trial):
+def test_the_referee_is_right_and_has_its_consequences(run_trial):
     run = run_trial()
     assert run.unmet == []
     violations = [e for e in run.events if e["kind"] == "violation"]
@@ -41,7 +41,7 @@ def test_the_referee_is_obeyed_and_right(run_trial):
     assert sum(run.summary["violations"].values()) == run.summary["penalties"]
     if run.trial.gantry.controller in CAUTIOUS:
         assert run.summary["violations"]["gantry"] == 0
-    # Sampling the motions shows nobody too close but where the referee says so.
+    # Sampled motions show short distances only where the referee records violations.
     samples = run.sample(rate=100.0)
     person, gantry = samples["operator"], samples["gantry"]
     apart = np.hypot(*(person[:, :2] - gantry[:, :2]).T)
@@ -56,5 +56,5 @@ def test_the_referee_is_obeyed_and_right(run_trial):
 @pytest.mark.personalities("all")
 @pytest.mark.controllers(*CAUTIOUS)
 @pytest.mark.rule_sets("ariac2023")
-def test_a_cautious_gantry_does_nobody_any_harm_by_other_rules_either(run_trial):
+def test_a_cautious_gantry_causes_no_violation_under_other_rules(run_trial):
     assert run_trial().summary["violations"]["gantry"] == 0

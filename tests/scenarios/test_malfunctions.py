@@ -11,7 +11,7 @@ EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "kitting.ariac.yaml
 
 
 def run_with(*malfunctions):
-    """The ARIAC example with somebody who walks up to the gantry; (time, seconds) it breaks."""
+    """Run the ARIAC example with a person who walks up to the gantry and a breakdown (time, s)."""
     data = yaml.safe_load(EXAMPLE.read_text())
     human = {"behavior": "antagonistic", "time_condition": 0.0}
     challenges = [{"human": human}] + [
@@ -34,7 +34,7 @@ def first(run, kind, after=0.0):
 
 @pytest.fixture(scope="module")
 def violation():
-    """When the first violation is if nothing breaks."""
+    """Return the time of the first violation without a breakdown."""
     run = run_with()
     t = first(run, "violation")
     assert first(run, "gantry_enabled", t) == pytest.approx(t + 15.0)
@@ -43,13 +43,13 @@ def violation():
 
 @pytest.mark.parametrize("seconds", [2.0, 11.9, 12.1, 30.0])
 @pytest.mark.parametrize("delay", [0.5, 3.0])
-def test_the_gantry_stands_until_both_are_over(violation, delay, seconds):
+def test_the_gantry_stands_until_both_stops_are_over(violation, delay, seconds):
     run = run_with((violation + delay, seconds))
     assert first(run, "violation") == pytest.approx(violation)
     until = violation + max(15.0, delay + seconds)
     assert first(run, "gantry_enabled", violation) == pytest.approx(until)
     gantry = run.motions["gantry"]
-    stopped = violation + 4.0  # it brakes as fast as it can
+    stopped = violation + 4.0  # the gantry brakes as fast as it can
     assert gantry.position(stopped) == pytest.approx(gantry.position(until))
     assert run.summary["gantry_disabled_time"] >= until - violation - 1e-6
     broken = [e for e in run.events if e["kind"] == "robot_malfunction"]

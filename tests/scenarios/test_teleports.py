@@ -1,4 +1,4 @@
-"""Being put into the safe zone in every phase of what one is doing: one always begins anew."""
+"""Teleports into the safe zone in every phase of an errand: the person always restarts."""
 
 import math
 
@@ -16,7 +16,7 @@ rules:
   based_on: paper
   agv_law: {{fixed: 30.0}}
 """
-"""Wherever the cart drives, it is too close: so it decides when somebody is put back."""
+"""The cart is always too close, so each of its drives puts the person back."""
 
 PHASES = {
     "before the start": lambda arrival: 0.5,
@@ -26,11 +26,11 @@ PHASES = {
     "at a goal": lambda arrival: arrival + 0.001,
     "on the next leg": lambda arrival: arrival + 5.0,
 }
-"""When each of them is, by the time of the first arrival (seconds)."""
+"""Times of the phases, by the time of the first arrival (s)."""
 
 
 def put_back(folder, personality, *times):
-    """The run in which the cart drives a little at each of `times` (seconds)."""
+    """Return the run in which the cart drives a little at each of `times` (s)."""
     moves = ", ".join(f"{{time: {t}, to: {0.5 if k % 2 == 0 else 0}}}" for k, t in enumerate(times))
     text = HALL.format(personality=personality, moves=moves)
     return sim.run(sim.Trial.parse(text, folder=folder))
@@ -38,7 +38,7 @@ def put_back(folder, personality, *times):
 
 @pytest.mark.parametrize("personality", ["indifferent", "helpful", "scared"])
 @pytest.mark.parametrize("phase", PHASES)
-def test_the_person_begins_anew_after_the_pause(request, personality, phase):
+def test_the_person_restarts_after_the_pause(request, personality, phase):
     undisturbed = put_back(request.path.parent, personality, 59.0)
     arrival = next(e["t"] for e in undisturbed.events if e["kind"] == "arrived")
     t = PHASES[phase](arrival)
@@ -47,7 +47,7 @@ def test_the_person_begins_anew_after_the_pause(request, personality, phase):
 
 
 @pytest.mark.parametrize("later", [0.0, 0.3, 2.5, 7.9, 8.5, 9.0])
-def test_being_put_back_again_while_waiting_or_setting_out_anew(request, later):
+def test_a_person_can_be_put_back_again_while_waiting_or_starting(request, later):
     run = put_back(request.path.parent, "indifferent", 9.0, 11.0 + later)
     assert len([e for e in run.events if e["kind"] == "teleport"]) >= 2
     begins_anew(run, after=11.0 + later)
@@ -57,7 +57,7 @@ def begins_anew(run, after):
     teleports = [e["t"] for e in run.events if e["kind"] == "teleport"]
     assert teleports
     last = max(teleports)
-    # Events are rounded to 1e-9 s: just after, the person is there for sure.
+    # Events are rounded to 1e-9 s, so the person is certainly there just after.
     assert run.motions["operator"].position(last + 1e-6) == pytest.approx(HOME)
     goals = [e for e in run.events if e["kind"] == "goal" and e["t"] > last]
     assert goals[0]["station"] == "east"

@@ -1,7 +1,7 @@
-"""The cell at work that comes with Floorwalker, and that newcomers run first."""
+"""The built-in cell at work, which newcomers run first."""
 
 import sim
 
 
-def test_it_meets_what_it_expects():
+def test_the_workcell_meets_its_expectations():
     assert sim.run(sim.Trial.load("workcell")).unmet == []

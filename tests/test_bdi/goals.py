@@ -1,10 +1,10 @@
-"""Runs of goals, as tests see them."""
+"""Runs of goals for tests."""
 
 import bdi
 
 
 def printed(program, until=1.0, **options):
-    """The lines that a program prints up to a time (s)."""
+    """Return the lines that a program prints up to a time (s)."""
     lines = []
     agent = bdi.Agent(bdi.parse(program), print=lines.append, **options)
     for time in until if isinstance(until, tuple) else (until,):
@@ -13,7 +13,7 @@ def printed(program, until=1.0, **options):
 
 
 def said(body, rest=""):
-    """What a goal with this body prints, and how it fails, if it does."""
+    """Return the lines that a goal with this body prints, and a line for its failure."""
     return printed(
         f"""!go.
         +!go <- {body}.

@@ -1,4 +1,4 @@
-"""The agent from outside: time, percepts, actions, and a look inside."""
+"""The agent from outside: time, percepts, actions, and inspection."""
 
 import gc
 import math
@@ -11,7 +11,7 @@ import bdi
 
 
 def make(source, **options):
-    """An agent that writes down what it does and says, with the times."""
+    """Return an agent that records its actions and lines with their times."""
     log = []
     agent = None
 
@@ -135,16 +135,16 @@ def test_an_action_may_fail():
 
 
 def test_an_action_may_finish_later():
-    asked = []
+    requests = []
 
     def act(action):
-        asked.append(str(action))
+        requests.append(str(action))
         return bdi.PENDING
 
     source = "!a. !b. +!a <- walk(1); .print(a,on). +!b <- walk(2). -!b <- .print(b,no)."
     agent, log = make(source, act=act)
     agent.advance(0.0)
-    assert asked == ["walk(1)", "walk(2)"]
+    assert requests == ["walk(1)", "walk(2)"]
     assert sorted(map(str, agent.pending_actions.values())) == ["walk(1)", "walk(2)"]
     agent.finish("walk(2)", success=False)
     agent.advance(3.0)
@@ -273,7 +273,7 @@ def test_unknown_internal_actions_are_warnings_unless_an_agent_is_strict():
         settings=bdi.AgentSettings(on_event=warnings.append, kinds=["warning"]),
     ).advance(0.0)
     assert lines == ["action_failed"]
-    # That of the added plan is a warning where it is written, and again when it is added.
+    # Unknown actions in the added plan are reported where it is written, and when it is added.
     assert [entry.text.partition(" (")[0] for entry in warnings] == [
         "x.asl:1:8: there is no internal action .prnt; did you mean .print?",
         "x.asl:2:14: there is no internal action .nosuch",

@@ -1,4 +1,4 @@
-"""Programs whose every line of output is known, and traces of a person's actions."""
+"""Programs with expected lines of output, and traces of a person's actions."""
 
 import json
 import re
@@ -16,7 +16,7 @@ PROGRAMS = sorted((Path(__file__).parent / "programs").glob("*.asl"))
 REFERENCE = Path(__file__).parent / "reference"
 
 DEVIATIONS = Path(__file__).parents[2] / "docs" / "deviations.md"
-# Programs and societies of which the table of deviations says that they run in another way here.
+# Programs and societies that deviate from Jason according to the table of deviations.
 DEVIATING = set(
     re.findall(r"`(\w\d+)`", DEVIATIONS.read_text(encoding="utf-8").partition("## AgentSpeak")[2])
 )
@@ -26,7 +26,7 @@ FAILING = "jump"
 
 
 def run_out(program, limit=1000, actions=False):
-    """The lines that a program prints, among them its external `actions` if they are wanted."""
+    """Return the lines that a program prints, with its external actions if `actions` is true."""
     lines = []
 
     def act(action):
@@ -76,12 +76,12 @@ def test_reference_societies_behave_as_in_jason(output):
         bdi.Agent(bdi.parse_file(path), name=name, society=society, print=say)
     society.advance(20.0)
     expected = output.read_text(encoding="utf-8").splitlines()
-    # Their lines come in no order, those of each agent do.
+    # Only the lines of each agent are ordered.
     assert sorted(lines, key=lambda line: line.split(":")[0]) == expected
 
 
 def replay(trace):
-    """What an agent does and says when the percepts of a trace come."""
+    """Return the actions and lines of an agent that receives the percepts of a trace."""
     actions, prints = [], []
 
     def act(action):
@@ -145,8 +145,8 @@ def test_the_command_replays_a_trace(tmp_path):
             {"t": entry["t_ms"] / 1000, "action": entry["action"]} for entry in trace["actions"]
         ]
         assert [entry for entry in written if "action" in entry] == expected
-        said = [{"t": e["t_ms"] / 1000, "print": e["text"]} for e in trace["prints"]]
-        assert [entry for entry in written if "print" in entry] == said
+        printed = [{"t": e["t_ms"] / 1000, "print": e["text"]} for e in trace["prints"]]
+        assert [entry for entry in written if "print" in entry] == printed
 
 
 def test_the_command_runs_until_the_agent_is_idle():

@@ -1,4 +1,4 @@
-"""Chains of failures without end: reported, with their place, in little time."""
+"""Endless chains of failures: reported with their line, within a short time."""
 
 import pytest
 
@@ -18,7 +18,7 @@ CHAINS = {
 
 @pytest.mark.parametrize("chain", CHAINS)
 def test_an_endless_chain_of_failures_is_reported_with_its_line(chain):
-    """With the default number of cycles, which takes minutes if all are used."""
+    """Use the default number of cycles, which would take minutes if all were used."""
     agent = bdi.Agent(bdi.parse(CHAINS[chain]), print=lambda text: None)
     with pytest.raises(bdi.EndlessProgramError, match=r"<text>:\d:.* does not end"):
         agent.advance(0.0)

@@ -1,4 +1,4 @@
-"""What runs side by side: how it joins, fails and is ended."""
+"""Parallel branches: how they join, fail and end."""
 
 import pytest
 from goals import printed
@@ -8,7 +8,7 @@ ONE = "+!c <- !a ||| !b; .print(joined).\n"
 
 
 def said(plans):
-    """What `!c` and what comes after it print, within a second."""
+    """Return the lines printed within a second by `!c` and the steps after it."""
     return printed(f"!go.\n+!go <- !c; .print(after).\n{plans}")
 
 
@@ -31,19 +31,19 @@ def test_branches_of_a_fork_join(plans, lines):
 @pytest.mark.parametrize(
     ("plans", "lines"),
     [
-        # All are needed: the first that fails takes the others with it, and the goal.
+        # All branches are needed. The first failure ends the others and the goal.
         (TWO + "+!a <- .wait(10); .fail. +!b <- .wait(20); .print(b).", ""),
         (TWO + "+!a <- .wait(10); !nobody. +!b <- .wait(20); .print(b).", ""),
         (
             TWO + "+!a <- .wait(10); .fail. +!b <- .wait(20); .print(b). -!c <- .print(failed).",
             "failed after",
         ),
-        # A failure that is dealt with inside of a branch is none for the others.
+        # A failure handled inside a branch does not concern the other branches.
         (
             TWO + "+!a <- .wait(10); .fail. -!a <- .print(mended). +!b <- .wait(20); .print(b).",
             "mended b joined after",
         ),
-        # One is enough: a branch that fails just ends.
+        # One branch is enough. A branch that fails just ends.
         (ONE + "+!a <- .wait(10); .fail. +!b <- .wait(20); .print(b).", "b joined after"),
         (
             ONE + "+!a <- .wait(10); .fail. +!b <- .wait(20); .fail. -!c <- .print(failed).",
@@ -106,7 +106,7 @@ NOT_IN_ONE = "+!d <- .wait(30); .print(no)."
 @pytest.mark.parametrize(
     ("plans", "lines"),
     [
-        # The outer fork waits for what comes after the inner one, and for its own other branch.
+        # The outer fork waits for the steps after the inner one, and for its own other branch.
         (
             "+!c <- !a |&| !d; .print(joined). +!a <- (!e |&| !f); .print(a)."
             f" +!e <- .wait(10); .print(e). +!f <- .print(f). {IN_ONE}",
@@ -122,14 +122,14 @@ NOT_IN_ONE = "+!d <- .wait(30); .print(no)."
             f" +!e <- .wait(10); .print(e). +!f <- .wait(20); .print(f). {IN_ONE}",
             "e a d joined after",
         ),
-        # What is first ends all that the others have become.
+        # The first branch to end also ends all goals that the others have started.
         (
             "+!c <- !a ||| !d; .print(joined). +!a <- (!e |&| !f); .print(no)."
             f" +!e <- .wait(40); .print(no). +!f <- .wait(50); .print(no). {IN_ONE}",
             "d joined after",
         ),
         ("+!c <- (.print(a); .wait(5) ||| .wait(9)) |&| .print(b); .print(joined).", None),
-        # A failure in the inner one goes through both.
+        # A failure in the inner fork ends both.
         (
             "+!c <- !a |&| !d; .print(no). +!a <- (!e |&| !f); .print(no). +!e <- .wait(10); .fail."
             f" +!f <- .wait(20); .print(no). {NOT_IN_ONE} -!c <- .print(failed).",
@@ -151,7 +151,7 @@ NOT_IN_ONE = "+!d <- .wait(30); .print(no)."
             f" +!e <- .wait(10); .fail. +!f <- .wait(20); .print(no). {IN_ONE}",
             "d joined after",
         ),
-        # A failure is dealt with where there is a plan for it, however far below it came from.
+        # A failure is handled by the nearest goal above it with a plan for failures.
         (
             "+!c <- !a |&| !d; .print(joined). +!a <- !e. +!e <- !f. +!f <- .wait(10); .fail."
             f" -!a <- .print(mended). {IN_ONE}",
@@ -162,7 +162,7 @@ NOT_IN_ONE = "+!d <- .wait(30); .print(no)."
             f" -!a <- .print(mended). {NOT_IN_ONE}",
             "mended joined after",
         ),
-        # Once a fork has joined, it is nothing to what fails later.
+        # A fork that has joined does not concern later failures.
         ("+!c <- !a ||| !b; .fail. +!a. +!b. -!c <- .print(failed).", "failed after"),
         ("+!c <- !a |&| !b; .fail. +!a. +!b. -!c <- .print(failed).", "failed after"),
         (

@@ -1,4 +1,4 @@
-"""Goals whose events still wait to be dealt with, and steps and plans that fail."""
+"""Goals whose events still wait in the queue, and steps and plans that fail."""
 
 import pytest
 from goals import printed
@@ -15,7 +15,7 @@ OUTER = """
 
 
 def heard(program, act=lambda action: True, until=(0.0, 0.01, 0.02, 0.03), bells=range(9)):
-    """What is printed; the bells ring at 10 ms, so that a queue of events builds up."""
+    """Return the printed lines. Bells at 10 ms fill the queue of events."""
     lines = []
     agent = bdi.Agent(bdi.parse(program), act=act, print=lines.append)
     for t in until:
@@ -63,7 +63,7 @@ def test_a_queued_goal_can_be_ended(how, lines):
     ],
 )
 def test_a_goal_that_waits_for_an_action_can_be_ended(how, lines):
-    """The environment never says what became of the action."""
+    """The environment never reports the result of the action."""
     program = (
         "!outer. !go."
         f" +!go <- .wait(10); {how}; .wait(5); .print(end)."
@@ -106,11 +106,11 @@ def test_a_goal_that_waits_for_an_action_can_be_ended(how, lines):
 )
 def test_the_step_prints_the_expected_lines(step, lines):
     done = []
-    said = printed(
+    output = printed(
         f"!go. +!go <- {step}. -!go[error(E)] <- .print(E)."
         " +!helper(N) <- .print(N). +?asked(X) <- X = 9. +!not_now : false."
         " +!fails_twice <- .fail. -!fails_twice <- .fail.",
         act=lambda action: not done.append(str(action)),
     )
-    assert said == lines
+    assert output == lines
     assert done == (["jump(1)"] if "jump" in step else [])

@@ -1,4 +1,4 @@
-"""Internal actions, functions and the order of terms, a formula at a time."""
+"""Internal actions, functions and the order of terms, one formula at a time."""
 
 import re
 
@@ -53,9 +53,9 @@ def test_arithmetic_is_that_of_java(expression, result):
 
 @pytest.mark.parametrize("sum_", ["A + 1", "1 + A", "A + B", "B + A", "A + A", "2 * (A + B)"])
 def test_arithmetic_of_other_terms_than_numbers_is_undefined(sum_):
-    for given in ("a", "p(1)", '"a"', "[1]"):
-        assert said(f"A = {given}; B = 2; X = {sum_}; .print(X)") == ["NaN"], given
-        assert said(f"A = {given}; B = 2; .print({sum_})") == ["NaN"], given
+    for term in ("a", "p(1)", '"a"', "[1]"):
+        assert said(f"A = {term}; B = 2; X = {sum_}; .print(X)") == ["NaN"], term
+        assert said(f"A = {term}; B = 2; .print({sum_})") == ["NaN"], term
 
 
 HOLDS = """
@@ -135,7 +135,7 @@ def test_the_formula_holds(formula):
         ("here(1)[seen|R] & X = R", "[]"),
     ],
 )
-def test_solutions_come_in_order(formula, solutions):
+def test_solutions_are_in_order(formula, solutions):
     assert said(f".findall(X, {formula}, L); .print(L)", "here(1). here(2).") == [solutions]
 
 
@@ -260,7 +260,7 @@ def test_goals_are_suspended_and_resumed(body, plans, lines):
     ],
 )
 def test_queued_goals_can_be_ended(how, lines):
-    """No event is dealt with while an atomic plan runs: that of `work` is still in the queue."""
+    """No event is handled while an atomic plan runs, so that of `work` is still in the queue."""
     heard = said(
         "!quiet; .wait(10); .print(end); .resume(work)",
         f"@quiet[atomic] +!quiet <- !!work; .{how}(work)."
@@ -314,7 +314,7 @@ def test_the_sources_of_a_belief_are_independent():
     ],
 )
 def test_a_wait_ends_as_soon_as_its_condition_holds(condition, time):
-    """`a` holds all the time, `b` from 1 s on, `c(2)` from 2 s, and `c(5)` from 3 s."""
+    """`a` always holds, `b` from 1 s on, `c(2)` from 2 s, and `c(5)` from 3 s."""
     met = []
     agent = bdi.Agent(
         bdi.parse(f"a. !go. +!go <- .wait({condition}, 4000); .print(met). -!go."),

@@ -1,4 +1,4 @@
-"""Reading programs: any text gives a program or says where it is wrong."""
+"""The parser: any text becomes a program or an error with its place."""
 
 import string
 

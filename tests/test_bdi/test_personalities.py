@@ -1,4 +1,4 @@
-"""What the built-in people do when the gantry comes near."""
+"""Reactions of the built-in personalities to the gantry."""
 
 import pytest
 
@@ -9,7 +9,7 @@ PLACES = {"s1": "move(0,0,0)", "s2": "move(10,0,0)", "s3": "move(10,10,0)", "s4"
 
 
 class Scene:
-    """A person alone; `at` returns its actions since the last time, with their times."""
+    """A person alone. `at` returns the actions since the last call, with their times."""
 
     def __init__(self, personality, *beliefs):
         self._actions = []
@@ -30,7 +30,7 @@ class Scene:
         return actions
 
     def walking(self):
-        """Started, and on the way from the first station to the second."""
+        """Return a scene in which the person walks from the first station to the second."""
         self.at(0.0, "human_start")
         self.at(5.0, "work_completed(0)")
         return self
@@ -94,7 +94,8 @@ def test_people_retry_a_blocked_path_and_then_choose_the_next_station(name):
     assert scene.at(28.0) == [(27.0, PLACES["s3"])]
 
 
-# A person and its beliefs; at a time (s) a percept, and the time and names of the actions since.
+# Personality and beliefs, then steps: time (s), percept, and the times and names of the actions
+# since the last step.
 REACTIONS = [
     ("indifferent", "6 gantry_detected(0) >"),
     (
@@ -113,7 +114,7 @@ REACTIONS = [
         *("6 gantry_detected(0) > 6 stop_movement", "7.4 >", "8 > 7.5 s1"),
     ),
     (
-        "helpful",  # what comes while it thinks, or within five seconds of a turn, does not count
+        "helpful",  # percepts while it thinks, or within five seconds of a turn, do not count
         *("6 gantry_detected(0) > 6 stop_movement", "6.5 gantry_detected(1) >", "11.9 > 7 s1"),
         *("11.9 gantry_detected(2) >", "11.95 work_completed(1) > 11.95 s4"),
         *("12 gantry_detected(3) > 12 stop_movement", "14 > 13 s1"),
@@ -157,8 +158,8 @@ REACTIONS = [
 def test_people_react_to_the_gantry_by_personality(person, script):
     scene = Scene(*person.split()).walking()
     for line in script:
-        given, _, expected = line.partition(">")
-        time, *percept = given.split()
+        step, _, expected = line.partition(">")
+        time, *percept = step.split()
         at, *actions = expected.split() or ["0"]
         wanted = [(float(at), PLACES.get(action, action)) for action in actions]
         assert scene.at(float(time), *percept) == wanted, line
@@ -183,4 +184,4 @@ def test_custom_programs_may_include_the_patrol(name, tmp_path):
     assert done[0].startswith("move(")
     agent.add_percept("gantry_detected(1)")
     agent.advance(100.0)
-    assert "wave" in done  # the program's own plan comes before that of the patrol
+    assert "wave" in done  # the program's own plan precedes that of the patrol

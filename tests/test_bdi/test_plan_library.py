@@ -1,4 +1,4 @@
-"""Plans that come and go while an agent runs."""
+"""Plans that are added and removed while an agent runs."""
 
 import pytest
 from goals import said

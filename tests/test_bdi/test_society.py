@@ -144,7 +144,7 @@ def test_agents_of_a_society_draw_different_random_numbers():
     three = drawn(["ann", "bob", "cyd"])
     assert len(set(three)) == 3
     assert three == drawn(["ann", "bob", "cyd"]) != drawn(["ann", "bob", "cyd"], seed=1)
-    # Alone, and as the first of a society, an agent draws what its seed says.
+    # Alone, and as the first of a society, an agent draws according to its seed.
     assert drawn(["ann"]) == drawn(["bob"]) == three[:1]
 
 
@@ -198,8 +198,8 @@ def test_messages_to_several_agents_to_itself_and_with_unknown_goals():
     )
     society.advance(1.0)
     error = "Communication error -- "
-    told = '+!kqml_received(ann,tell,"text",mid3)'
-    nothing = f"Found a goal for which there is no applicable plan: {told}"
+    received = '+!kqml_received(ann,tell,"text",mid3)'
+    nothing = f"Found a goal for which there is no applicable plan: {received}"
     assert log == [
         ("ann", "[ann,bob,cyd]"),
         ("ann", "self"),

@@ -1,4 +1,4 @@
-"""Floors made in Python are held to what holds for floorplan files."""
+"""Floors made in Python are checked by the rules of floorplan files."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ CART = {"lanes": (replace(CELL.lanes[0], origin=(2.0, 5.0), heading=0.0, limits=
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("changes", "message"),
     [
         ({"boundary": CROSSED}, r"boundary: .*edges cross at \[5 5\]"),
         (press(CROSSED), r"obstacles.press: .*edges cross at \[5 5\]"),
@@ -49,32 +49,32 @@ CART = {"lanes": (replace(CELL.lanes[0], origin=(2.0, 5.0), heading=0.0, limits=
         ({"gantry": replace(CELL.gantry, start=(9.0, 0.0, 0.0))}, "gantry.start: x = 9"),
     ],
 )
-def test_what_can_not_be_is_told(given, message):
-    plan = replace(SHOP, **given)
-    with pytest.raises(floorplan.FloorplanError, match=message) as told:
+def test_an_impossible_floor_is_rejected(changes, message):
+    plan = replace(SHOP, **changes)
+    with pytest.raises(floorplan.FloorplanError, match=message) as error:
         floorplan.check(plan)
-    assert str(told.value).startswith("floorplan 'shop': ")
+    assert str(error.value).startswith("floorplan 'shop': ")
     with pytest.raises(floorplan.FloorplanError, match=message):
         CollisionWorld(plan)
 
 
-@pytest.mark.parametrize("given", [press(box(5, 4, 5.2, 4.665)), press(box(5, 4, 6, 6), 1.21, 3)])
-def test_an_agv_may_pass_close_by_and_below(given):
-    floorplan.check(replace(SHOP, **CART | given))
+@pytest.mark.parametrize("changes", [press(box(5, 4, 5.2, 4.665)), press(box(5, 4, 6, 6), 1.21, 3)])
+def test_an_agv_may_pass_close_by_and_below(changes):
+    floorplan.check(replace(SHOP, **CART | changes))
 
 
 @pytest.mark.parametrize("name", floorplan.builtin())
-def test_what_is_built_in_can_be(name):
+def test_every_builtin_floor_is_valid(name):
     floorplan.check(replace(floorplan.load(name)))
 
 
-def test_everything_is_told_at_once():
+def test_all_problems_are_reported_at_once():
     plan = replace(SHOP, human=Human(radius=0.0), patrol=("nowhere",), boundary=CROSSED)
     with pytest.raises(floorplan.FloorplanError, match="3 problems"):
         floorplan.check(plan)
 
 
-def test_a_door_of_no_width_hides_nothing_that_is_wrong_with_others():
+def test_a_door_without_width_hides_no_problem_of_others():
     doors = [
         Door(name="slit", ends=((1.0, 1.0), (1.0, 1.0))),
         Door(name="far", ends=((1.0, 1.0), (99.0, 1.0))),

@@ -63,8 +63,8 @@ def test_units(drawing, load, unit, metre):
     assert load().boundary.bounds == pytest.approx((0, 0, 10 * metre, 6 * metre))
 
 
-def test_other_ways_to_draw_an_outline(drawing, load):
-    # Closed by its last corner, and an old polyline with heights.
+def test_other_forms_of_an_outline(drawing, load):
+    # The first is closed by its last corner, the second is an old polyline with heights.
     outline(drawing, [*HALL, HALL[0]], "boundary", close=False)
     drawing.modelspace().add_polyline3d(
         [(x, y, 0) for x, y in BENCH], close=True, dxfattribs={"layer": "bench"}
@@ -88,14 +88,14 @@ def test_numbers_do_not_lead_to_the_name_of_another_layer(drawing, load):
     assert sorted(names) == ["bench1", "bench2", "bench3"]
 
 
-def test_layers_that_are_off_are_left_out(drawing, load):
+def test_layers_that_are_off_are_omitted(drawing, load):
     outline(drawing, HALL, "boundary")
     outline(drawing, BENCH, "bench", close=False)
     drawing.layers.get("bench").off()
     assert load().obstacles == ()
 
 
-def test_everything_wrong_is_said_at_once(drawing, load):
+def test_all_problems_are_reported_at_once(drawing, load):
     outline(drawing, HALL, "boundary")
     outline(drawing, BENCH, "bench", close=False)
     outline(drawing, [(0, 0), (1, 1), (1, 0), (0, 1)], "bench")
@@ -158,16 +158,16 @@ def lay(drawing, tmp_path):
     return lay
 
 
-def problems(load, *given):
+def problems(load, *arguments):
     with pytest.raises(floorplan.FloorplanError) as wrong:
-        load(*given)
+        load(*arguments)
     return [str(problem) for problem in wrong.value.problems]
 
 
 def test_lines_arcs_and_splines_that_meet_are_outlines(drawing, lay):
     space, wall = drawing.modelspace(), {"layer": "A-WALL-FULL"}
     outline(drawing, HALL, "boundary")
-    # A slot of two lines and two half circles, one of them turned round; its ends miss by 5 mm.
+    # A slot of two lines and two half circles, one of them reversed. Its ends miss by 5 mm.
     space.add_line((2, 1), (4, 1.005), dxfattribs=wall)
     space.add_line((4, 2), (2, 2), dxfattribs=wall)
     space.add_arc((4, 1.5), 0.5, 270, 90, dxfattribs=wall)
@@ -182,17 +182,18 @@ def test_lines_arcs_and_splines_that_meet_are_outlines(drawing, lay):
     slot, lens = (o.footprint for o in plan.obstacles)
     assert slot.area == pytest.approx(2 + math.pi / 4, abs=0.01)
     assert lens.bounds == pytest.approx((6, 2, 8, 3), abs=2e-3)
-    found = problems(lay, layers)
-    assert len(found) == 4
+    reported = problems(lay, layers)
+    assert len(reported) == 4
     assert all(
-        "is open; close it" in one and "0.005 m away; `snap: 0.005`" in one for one in found[:1]
+        "is open; close it" in one and "0.005 m away; `snap: 0.005`" in one for one in reported[:1]
     )
 
 
 def test_blocks_are_put_where_they_are_inserted(drawing, lay):
     outline(drawing, HALL, "boundary")
     leg = drawing.blocks.new("LEG")
-    leg.add_lwpolyline([(0, 0), (1, 0), (1, 0.5)], close=True)  # on layer 0: that of the insert
+    # on layer 0, so that it takes the layer of the insert
+    leg.add_lwpolyline([(0, 0), (1, 0), (1, 0.5)], close=True)
     table = drawing.blocks.new("TABLE")
     table.add_blockref("LEG", (1, 0), dxfattribs={"xscale": -1})  # mirrored
     table.add_circle((0, 0), 1, dxfattribs={"layer": "notes"})
@@ -203,7 +204,7 @@ def test_blocks_are_put_where_they_are_inserted(drawing, lay):
     space.add_blockref("LEG", (6, 4), dxfattribs=rows)
     plan = lay("layers: {boundary: [boundary], benches: [bench]}")
     assert [o.name for o in plan.obstacles] == ["benches1", "benches2", "benches3"]
-    # x of the leg is mirrored about 1, doubled and turned up; y comes to point to the left.
+    # The x axis of the leg is mirrored about 1, doubled and turned up. Its y axis points left.
     corners = {(round(x, 9), round(y, 9)) for x, y in plan.obstacles[0].footprint.exterior.coords}
     assert corners == {(5, 3), (5, 1), (4.5, 1)}
     assert plan.obstacle("benches3").footprint.bounds == (8, 4, 9, 4.5)
@@ -220,8 +221,8 @@ def test_blocks_are_put_where_they_are_inserted(drawing, lay):
     ),
 )
 @settings(max_examples=30, deadline=None)
-def test_blocks_in_blocks_stand_where_their_transforms_put_them(inner, outer):
-    """Of a block turned in another that is stretched, right angles are none any more."""
+def test_nested_blocks_are_placed_by_their_transforms(inner, outer):
+    """A block turned inside a stretched block loses its right angles."""
     leg = shapely.Polygon([(0, 0), (0.4, 0), (0.4, 0.2)])
     drawing = ezdxf.new(units=ezdxf.units.M)
     block = drawing.blocks.new("LEG")
@@ -249,10 +250,10 @@ def test_blocks_in_blocks_stand_where_their_transforms_put_them(inner, outer):
     assert read[1].hausdorff_distance(footprints[1]) < 2e-3
 
 
-def test_a_block_in_itself_is_refused(drawing, load):
+def test_a_block_in_itself_is_rejected(drawing, load):
     outline(drawing, HALL, "boundary")
     block = drawing.blocks.new("LOOP")
-    for _ in range(3):  # each of which would have three in it, and so on
+    for _ in range(3):  # each of which would contain three more
         block.add_blockref("LOOP", (1, 0))
     drawing.modelspace().add_blockref("LOOP", (1, 1))
     assert "the block 'LOOP' contains itself" in problems(load)[0]
@@ -281,23 +282,23 @@ def test_hatches_hollow_walls_and_walls_by_their_centre_lines(drawing, lay):
     assert all(not o.footprint.interiors for o in plan.obstacles)
 
 
-def test_a_hollow_group_of_open_lines_is_told(drawing, lay):
+def test_a_hollow_group_of_open_lines_is_reported(drawing, lay):
     outline(drawing, HALL, "boundary")
     drawing.modelspace().add_line((2, 2), (4, 2), dxfattribs={"layer": "walls"})
     outline(drawing, [(5, 5)], "walls", close=False)
     groups = "layers: {boundary: [boundary], walls: {layers: [walls], hollow: true}}"
-    found = problems(lay, groups)
-    assert [one.count("has no length") for one in found] == [1, 0]
-    assert "is open; close it" in found[1]
+    reported = problems(lay, groups)
+    assert [one.count("has no length") for one in reported] == [1, 0]
+    assert "is open; close it" in reported[1]
 
 
-def test_a_layer_that_matches_nothing(drawing, lay):
+def test_a_pattern_without_a_matching_layer_is_reported(drawing, lay):
     outline(drawing, HALL, "boundary")
-    found = problems(lay, "layers: {boundary: [boundary], walls: [A-WALL*]}")
-    assert "walls: no layer of the drawing matches 'A-WALL*'; there are: boundary" in found
+    reported = problems(lay, "layers: {boundary: [boundary], walls: [A-WALL*]}")
+    assert "walls: no layer of the drawing matches 'A-WALL*'; there are: boundary" in reported
 
 
-def test_shapes_are_left_out_by_their_handles(drawing, lay):
+def test_shapes_are_omitted_by_their_handles(drawing, lay):
     outline(drawing, HALL, "boundary")
     handle = outline(drawing, BENCH, "bench", close=False).dxf.handle
     plan = lay(f"leave_out: ['{handle}']")
@@ -307,7 +308,7 @@ def test_shapes_are_left_out_by_their_handles(drawing, lay):
     ]
 
 
-def test_a_drawing_without_units_is_not_taken_for_metres_in_silence(drawing, load, lay):
+def test_a_drawing_without_units_is_not_silently_in_metres(drawing, load, lay):
     drawing.header["$INSUNITS"] = 0
     outline(drawing, [(1000 * x, 1000 * y) for x, y in HALL], "boundary")
     assert "gives no unit" in load().notices[0].message
@@ -405,7 +406,7 @@ def test_a_hatch_is_bounded_by_edges_in_any_direction(drawing, lay):
         layers: {benches: [bench]}
     """)
     (bench,) = plan.obstacles
-    # A quarter of a disc, and what is below the parabola (2 u², 2 u).
+    # A quarter of a disc, and the area below the parabola (2 u², 2 u).
     assert bench.footprint.area == pytest.approx(math.pi + 8 / 3, abs=5e-3)
     assert bench.footprint.bounds == pytest.approx((0, 0, 4, 2), abs=2e-3)
 
@@ -420,7 +421,7 @@ def test_the_frame_of_a_spline_fit_polyline_is_not_drawn(drawing, load):
     assert load().obstacles["bench"].footprint.equals(shapely.Polygon(BENCH))
 
 
-def test_a_width_is_part_of_what_is_drawn(drawing, lay):
+def test_the_width_of_a_line_is_part_of_its_shape(drawing, lay):
     space = drawing.modelspace()
     outline(drawing, HALL, "boundary")
     donut = {"layer": "pillar", "const_width": 0.2}
@@ -487,8 +488,8 @@ def test_a_gap_that_is_too_wide_is_shown_with_the_snap_that_closes_it(drawing, l
     outline(drawing, HALL, "boundary")
     for ends in (((2, 2), (4, 2)), ((4, 2), (4, 3)), ((4, 3), (2, 2.00123))):
         drawing.modelspace().add_line(*ends, dxfattribs={"layer": "bench"})
-    found = problems(lay, "title: shop")
-    (snap,) = {one.split("`snap: ")[1].split("`")[0] for one in found if "snap" in one}
+    reported = problems(lay, "title: shop")
+    (snap,) = {one.split("`snap: ")[1].split("`")[0] for one in reported if "snap" in one}
     assert float(snap) == pytest.approx(0.0013)
     assert len(lay(f"snap: {snap}").obstacles) == 1
 
@@ -497,12 +498,14 @@ def test_a_drawing_without_a_boundary_names_its_layers_first(drawing, load, lay)
     for k in range(30):
         outline(drawing, [(k, 0), (k, 1)], "A-WALL", close=False)
     outline(drawing, BENCH, "A-DESK")
-    found = problems(load)
-    assert found[0].startswith("no layer is called 'boundary'")
-    assert "'A-DESK', 'A-WALL'" in found[0] and "`layers`" in found[0] and "30" in found[0]
-    assert len(found) == 6
-    found = problems(lay, "layers: {walls: [A-WALL]}")
-    assert "'boundary'" in found[0] and "'A-DESK', 'A-WALL'" in found[0] and len(found) == 6
+    reported = problems(load)
+    assert reported[0].startswith("no layer is called 'boundary'")
+    assert "'A-DESK', 'A-WALL'" in reported[0] and "`layers`" in reported[0] and "30" in reported[0]
+    assert len(reported) == 6
+    reported = problems(lay, "layers: {walls: [A-WALL]}")
+    assert (
+        "'boundary'" in reported[0] and "'A-DESK', 'A-WALL'" in reported[0] and len(reported) == 6
+    )
 
 
 def test_ignored_layers_have_one_notice_each(drawing, lay):

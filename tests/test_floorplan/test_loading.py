@@ -1,4 +1,4 @@
-"""Floorplan files: what is wrong with one is said all at once, with its place."""
+"""Floorplan files: all problems are reported at once, with their places."""
 
 import subprocess
 import sys
@@ -40,7 +40,7 @@ def test_a_small_room_is_enough():
         ("{polygon: [[4, 3], [6, 3], [5, 5]], z: [0, 1]}", 2.0),
     ],
 )
-def test_a_footprint_can_be_given_in_several_ways(entry, area):
+def test_a_footprint_has_several_forms(entry, area):
     plan = floorplan.parse(ROOM.replace("{x: [4, 6], y: [3, 5], z: [0, 1]}", entry))
     assert plan.obstacles[0].footprint.area == pytest.approx(area)
 
@@ -54,7 +54,7 @@ def test_a_round_footprint_covers_its_disc():
     assert footprint.area < 3.1416 * 1.01
 
 
-def test_all_problems_come_at_once_each_with_its_line():
+def test_all_problems_are_reported_at_once_with_their_lines():
     text = """\
 boundary: [[0, 0], [10, 0], [10, 8], [0, 8]]
 obstacles:
@@ -123,7 +123,7 @@ safe_zone: {at: [1, 7], heading: 0.0}
         (("at: [1, 7]", "at: [5, 4]"), "safe_zone.at: (5, 4) is inside obstacle 'table'"),
     ],
 )
-def test_what_is_not_sound_is_said_with_its_place(change, message):
+def test_an_unsound_floor_is_reported_with_its_place(change, message):
     text = ROOM + MACHINES
     assert floorplan.parse(text).gantry.start == (4, 4, 0)
     assert message in "\n".join(problems(text.replace(*change)))
@@ -139,11 +139,11 @@ def test_what_is_not_sound_is_said_with_its_place(change, message):
         ("a: !!python/object:os.system {}", "is not YAML"),
     ],
 )
-def test_text_that_is_no_floorplan(text, message):
+def test_text_that_is_no_floorplan_is_rejected(text, message):
     assert any(message in problem for problem in problems(text))
 
 
-def test_aliases_that_multiply_are_refused():
+def test_aliases_that_multiply_are_rejected():
     bomb = "a0: &a0 [1]\n" + "".join(
         f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]\n" for k in range(1, 12)
     )
@@ -158,12 +158,12 @@ def test_aliases_that_multiply_are_refused():
         ("nonsense", "there are: ariac2023"),
     ],
 )
-def test_a_floorplan_that_is_not_there(source, message):
+def test_a_missing_floorplan_is_reported(source, message):
     with pytest.raises(floorplan.FloorplanError, match=message.replace("?", r"\?")):
         floorplan.load(source)
 
 
-def test_a_file_that_is_not_text(tmp_path):
+def test_a_binary_file_is_rejected(tmp_path):
     path = tmp_path / "room.yaml"
     path.write_bytes(b"boundary: \xff\xfe")
     with pytest.raises(floorplan.FloorplanError, match="is not UTF-8 text"):

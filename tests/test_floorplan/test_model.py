@@ -1,4 +1,4 @@
-"""The floorplan value, and the figures of the floors that come along."""
+"""The floorplan value, and the figures of the built-in floors."""
 
 import copy
 import math
@@ -11,7 +11,7 @@ import shapely
 import floorplan
 
 FACTS = {
-    # name: (x range, y range, z range), as the competition's files have them
+    # name: (x range, y range, z range), as in the files of the competition
     "assembly_table1": ((-8.2, -7.2), (2.42, 3.58), (0.0, 1.0)),
     "assembly_table4": ((-13.2, -12.2), (-3.58, -2.42), (0.0, 1.0)),
     "bin1": ((-2.234, -1.566), (3.041, 3.709), (0.0, 0.79)),
@@ -37,7 +37,7 @@ def test_ariac_obstacles_are_where_the_competition_has_them(ariac, name):
     assert (obstacle.bottom, obstacle.top) == (bottom, top)
 
 
-def test_ariac_has_everything_that_stands_there(ariac):
+def test_ariac_has_all_obstacles(ariac):
     kinds = [name.rstrip("0123456789") for name in (o.name for o in ariac.obstacles)]
     assert kinds.count("assembly_table") == 4
     assert kinds.count("bin") == 8
@@ -83,7 +83,7 @@ def test_agvs_know_the_assembly_stations(ariac):
         ariac.lane("agv1").lane_position(18.5)
 
 
-def test_gantry_says_what_is_out_of_range(ariac):
+def test_gantry_reports_a_pose_out_of_range(ariac):
     assert ariac.gantry.faults((-7.0, 0.0, 0.0)) == []
     faults = ariac.gantry.faults((1.0, -8.0, float("nan")))
     assert [fault.split(" = ")[0] for fault in faults] == ["x", "y", "rotation"]
@@ -97,7 +97,7 @@ def test_every_builtin_floorplan_loads_and_pickles(name):
     assert pickle.loads(pickle.dumps(plan)) == plan
 
 
-def test_names_that_are_not_there_are_answered_with_those_that_are(ariac):
+def test_an_unknown_name_is_answered_with_the_known_ones(ariac):
     assert ariac.stations["station2"] is ariac.stations[1] is ariac.station("station2")
     assert "station2" in ariac.stations
     assert "bin1" not in ariac.stations
@@ -111,7 +111,7 @@ def test_names_that_are_not_there_are_answered_with_those_that_are(ariac):
             things[name]
 
 
-def test_things_with_names_stay_plain_values(ariac):
+def test_named_objects_stay_plain_values(ariac):
     listed = replace(ariac, stations=[*ariac.stations])
     assert listed == ariac
     assert hash(listed.stations) == hash(tuple(ariac.stations))

@@ -30,8 +30,8 @@ def test_cells_become_metres_with_the_top_row_above(tmp_path):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_what_is_taken_is_whole_cells(tmp_path, seed):
-    """Also where cells touch at a corner only."""
+def test_obstacles_are_whole_cells(tmp_path, seed):
+    """Cells that touch only at a corner are included."""
     free = np.random.default_rng(seed).random((9, 11)) < 0.62
     rows = ["".join(".@"[not cell] for cell in row) for row in free]
     plan = floorplan.load(written(tmp_path / "m.map", rows))
@@ -41,8 +41,8 @@ def test_what_is_taken_is_whole_cells(tmp_path, seed):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_person_gets_where_steps_to_the_sides_lead(tmp_path, seed):
-    """Not through corners; in one-cell corridors; whichever areas the map falls into."""
+def test_a_person_reaches_cells_connected_by_their_sides(tmp_path, seed):
+    """Random maps in any number of areas have one-cell corridors. Corners do not connect cells."""
     free = np.random.default_rng(seed).random((9, 11)) < 0.62
     rows = ["".join(".@"[not cell] for cell in row) for row in free]
     space = CollisionWorld(floorplan.load(written(tmp_path / "m.map", rows))).free_space(0.2)
@@ -71,7 +71,7 @@ def test_a_person_gets_where_steps_to_the_sides_lead(tmp_path, seed):
         ("type octile\nheight 99999\nwidth 99999\nmap\n", "of at most 16,000,000"),
     ],
 )
-def test_what_is_wrong_is_said(tmp_path, text, words):
+def test_an_invalid_map_is_rejected(tmp_path, text, words):
     (tmp_path / "m.map").write_text(text)
     with pytest.raises(floorplan.FloorplanError, match=words):
         floorplan.load(tmp_path / "m.map")

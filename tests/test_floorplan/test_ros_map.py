@@ -54,7 +54,7 @@ def test_cells_become_metres(load):
     assert thing.footprint.bounds == pytest.approx((0.5, 4.0, 1.5, 5.0))
 
 
-def test_whoever_gives_the_image_is_pointed_to_the_settings(load, tmp_path):
+def test_an_image_is_rejected_with_a_hint_to_its_settings(load, tmp_path):
     load(room())
     with pytest.raises(floorplan.FloorplanError, match="ROS map") as wrong:
         floorplan.load(tmp_path / "map.pgm")
@@ -96,7 +96,7 @@ def test_unknown_grey_is_as_free_as_the_threshold_says(load):
     assert load(pixels, YAML.replace("0.196", "0.25")).obstacles == ()
 
 
-def test_scale_takes_what_is_between_for_not_free(load):
+def test_scale_mode_treats_intermediate_values_as_occupied(load):
     pixels = room()
     pixels[3, 5] = 128
     assert len(load(pixels, YAML + "mode: scale\n").obstacles) == 1
@@ -126,7 +126,7 @@ def test_png(load, tmp_path):
     image.fromarray(room().astype("u1")).save(tmp_path / "map.png")
     assert floorplan.load(tmp_path / "map.yaml").boundary.equals(expected)
     grey = image.fromarray(room().astype("u1")).convert("RGBA")
-    grey.putpixel((5, 3), (254, 254, 254, 0))  # see-through: unknown
+    grey.putpixel((5, 3), (254, 254, 254, 0))  # transparent pixels are unknown
     grey.save(tmp_path / "map.png")
     assert len(floorplan.load(tmp_path / "map.yaml").obstacles) == 1
     grey.putpixel((5, 3), (254, 0, 0, 255))
@@ -167,7 +167,7 @@ def test_missing_keys_are_named(load, key):
         ("negate: 0", "negate: 0\nmode: colourful", "line 5, mode: expected 'trinary', 'scale'"),
     ],
 )
-def test_what_is_wrong_is_said(load, old, new, words):
+def test_an_invalid_map_is_rejected(load, old, new, words):
     with pytest.raises(floorplan.FloorplanError) as wrong:
         load(room(), YAML.replace(old, new))
     assert words in str(wrong.value)
@@ -197,7 +197,7 @@ def test_broken_images(load, tmp_path, data, words):
 
 
 def test_a_wall_of_one_cell_stays_shut_and_a_door_of_three_open(load):
-    """On slopes, too, where outlines are simplified."""
+    """Outlines are also simplified on slopes."""
     pixels = room(60, 120)
     for column in range(1, 119):
         row = 20 + round(column / 7)
@@ -209,12 +209,12 @@ def test_a_wall_of_one_cell_stays_shut_and_a_door_of_three_open(load):
     pixels[:, 60:63] = np.where(room(60, 120)[:, 60:63] == FREE, FREE, pixels[:, 60:63])
     door = load(pixels).free(0, 1)
     assert door.area > shut.area * 1.3
-    # Someone half as wide as the door comes through.
+    # A disc half as wide as the door passes.
     assert door.buffer(-0.5 / 2).geom_type == "Polygon"
 
 
 @pytest.mark.slow
-def test_noise_is_no_floor(load):
+def test_noise_is_rejected(load):
     speckled = np.where(np.random.default_rng(0).random((1500, 1500)) < 0.5, FREE, OCCUPIED)
     with pytest.raises(floorplan.FloorplanError, match="corners, of at most 1,000,000: clear it"):
         load(speckled)
@@ -228,20 +228,20 @@ def test_a_map_file_beside_its_image():
     plan = floorplan.load(SAMPLES / "hall_map.yaml")
     assert plan.boundary.bounds == pytest.approx((-3.5, -2.5, 3.5, 2.5))
     assert sorted(o.footprint.area for o in plan.obstacles) == pytest.approx([0.16, 2.4])
-    # Cells that nobody has seen are free by the threshold of the map.
+    # Unknown cells are free by the threshold of the map.
     assert plan.free(0, 1.75).area == pytest.approx(35.0 - 2.4 - 0.16)
     assert plan.free(0, 1.75).contains(shapely.Point(-2.5, -2.0))
 
     for path in files(real="ariac2023/ariac_map.yaml"):
         plan = floorplan.load(path)
         assert plan.boundary.bounds == pytest.approx((-22.3, -14.9, 4.55, 14.6))
-        # The stations and the safe zone of the true floor are free on its map, too.
+        # The stations and the safe zone of the true floor are also free on its map.
         floor = floorplan.load("ariac2023")
         free = plan.free(0, 1.75)
         for place in [*(s.position for s in floor.stations), floor.safe_zone.position]:
             assert free.contains(shapely.Point(place))
     for path in files(real="floors/small_warehouse.yaml"):
-        # No more can be free than all its cells.
+        # The free area is at most that of all its cells.
         warehouse = floorplan.load(path)
         assert 250 < warehouse.free(0, 1.75).area < (92516 + 18918) * 0.05**2
 
@@ -315,7 +315,7 @@ def test_a_speed_mask_gives_limits_by_the_values_of_cells(masked):
         ("{mask: keepout.yaml}", "0 zones"),
     ],
 )
-def test_a_mask_that_is_no_zone(masked, zone, word):
+def test_an_invalid_mask_is_rejected(masked, zone, word):
     with pytest.raises(floorplan.FloorplanError, match=word):
         masked(np.full((8, 12), 255), zone)
 

@@ -32,7 +32,7 @@ def test_polygons_that_touch_are_one_floor(tmp_path):
     assert plan.obstacles == ()
 
 
-def test_heights_in_the_text_are_left_out(tmp_path):
+def test_heights_in_the_text_are_ignored(tmp_path):
     plan = floorplan.load(write(tmp_path, "POLYGON Z ((0 0 1, 4 0 1, 4 4 1, 0 4 1, 0 0 1))"))
     assert plan.boundary.area == 16
     assert not plan.boundary.has_z
@@ -59,7 +59,7 @@ def test_heights_in_the_text_are_left_out(tmp_path):
         ("POLYGON ((0 0, 4e10 0, 4 4, 0 0))", "not numbers of at most 1e+10 m"),
     ],
 )
-def test_what_is_wrong_is_said(tmp_path, text, words):
+def test_an_invalid_text_is_rejected(tmp_path, text, words):
     with pytest.raises(floorplan.FloorplanError) as wrong:
         floorplan.load(write(tmp_path, text))
     assert words in str(wrong.value)
@@ -67,7 +67,7 @@ def test_what_is_wrong_is_said(tmp_path, text, words):
     assert "\n" not in str(wrong.value)
 
 
-def test_missing_file():
+def test_a_missing_file_is_reported():
     with pytest.raises(floorplan.FloorplanError, match="no such file"):
         floorplan.load("nowhere.wkt")
 
@@ -86,6 +86,6 @@ def test_any_text_is_a_floor_or_one_clear_error(tmp_path_factory, text):
 @pytest.mark.parametrize(
     "path", files("rooms.wkt", "annex.wkt", real="floors/*.wkt"), ids=lambda path: path.stem
 )
-def test_what_is_free_on_floors_of_jupedsim(path):
+def test_free_space_on_floors_of_jupedsim(path):
     area = shapely.union_all(list(shapely.from_wkt(path.read_text()).geoms))
     assert floorplan.load(path).free(0, 1.75).equals(area)

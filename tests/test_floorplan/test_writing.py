@@ -1,4 +1,4 @@
-"""Floors that are written are read again as they were."""
+"""Floors that are written and read again stay the same."""
 
 import math
 from dataclasses import replace
@@ -62,7 +62,7 @@ PLAN = floorplan.Floorplan(
 
 
 @pytest.mark.parametrize("plan", [PLAN, *BUILT_IN])
-def test_floorwalkers_own_format_holds_everything(plan, tmp_path):
+def test_floorwalkers_own_format_contains_everything(plan, tmp_path):
     plan.save(tmp_path / "floor.yaml")
     assert floorplan.load(tmp_path / "floor.yaml") == plan
     assert floorplan.parse(replace(plan, patrol=()).to_yaml()).patrol == ()
@@ -83,7 +83,7 @@ def test_numbers_and_flags_of_numpy_are_written_as_plain_values():
 
 
 @pytest.mark.parametrize("plan", BUILT_IN)
-def test_geojson_holds_what_stands_on_the_floor(plan, tmp_path, floorwalker):
+def test_geojson_contains_the_obstacles_of_the_floor(plan, tmp_path, floorwalker):
     plan.save(tmp_path / "floor.yaml")
     plan.save(tmp_path / "floor.geojson")
     again = floorplan.load(tmp_path / "floor.geojson")
@@ -93,18 +93,18 @@ def test_geojson_holds_what_stands_on_the_floor(plan, tmp_path, floorwalker):
     _, _, words = done.stderr.strip().partition(" cannot contain: ")
     assert words == ", ".join(
         words
-        for words, held in (
+        for words, contained in (
             ("AGVs", plan.lanes),
             ("the gantry", plan.gantry),
             ("the patrol", plan.patrol),
             ("measures of people", plan.human != floorplan.Human()),
         )
-        if held
+        if contained
     )
 
 
 @pytest.mark.parametrize("plan", BUILT_IN)
-def test_wkt_holds_the_area_to_walk_on(plan, tmp_path):
+def test_wkt_contains_the_walkable_area(plan, tmp_path):
     plan.save(tmp_path / "floor.wkt")
     area = floorplan.load(tmp_path / "floor.wkt").free(0, 1)
     assert area.symmetric_difference(plan.free(0, plan.human.height)).area < 1e-9
@@ -115,7 +115,7 @@ sizes = st.floats(0.05, 2.0)
 
 
 @given(st.lists(st.tuples(corners, corners, sizes, sizes), max_size=5), st.floats(0.05, 0.3))
-def test_a_map_shows_no_room_that_is_not_there(tmp_path_factory, rectangles, resolution):
+def test_a_map_shows_no_free_space_that_is_not_free(tmp_path_factory, rectangles, resolution):
     blocks = [
         floorplan.Obstacle(name=f"o{k}", footprint=box(x, y, x + w, y + h), bottom=0.0, top=1.0)
         for k, (x, y, w, h) in enumerate(rectangles)
@@ -127,12 +127,12 @@ def test_a_map_shows_no_room_that_is_not_there(tmp_path_factory, rectangles, res
     area = plan.free(0, 1)
     # Outlines move by less than half a cell when a map is read.
     assert area.buffer(0.46 * resolution).covers(again)
-    kept = area.buffer(-2 * math.sqrt(2) * resolution)
-    largest = max(shapely.get_parts(kept), key=lambda part: part.area)
+    core = area.buffer(-2 * math.sqrt(2) * resolution)
+    largest = max(shapely.get_parts(core), key=lambda part: part.area)
     assert again.buffer(1e-9).covers(largest)
 
 
-def test_what_can_not_be_written(tmp_path):
+def test_a_floor_that_cannot_be_written_is_reported(tmp_path):
     def says(match, plan, name, kind=ValueError, **more):
         with pytest.raises(kind, match=match):
             plan.save(tmp_path / name, **more)

@@ -47,7 +47,7 @@ def trial(personality="external", duration=275.0, start=0.0, controller="parked"
 
 
 STEP = 1 / 16
-"""Seconds of real time of one step of a session by hand, whose sum is exact."""
+"""Real time (s) of one step of a session by hand, exact in sums."""
 
 
 class InThread:
@@ -94,7 +94,7 @@ class InThread:
 class Served:
     """Session under way, with its address, its notices, and its run.
 
-    `by_hand` time goes on in `move` alone, and else by the wall's clock.
+    If `by_hand`, time advances only in `move`, otherwise with the wall clock.
     """
 
     def __init__(self, a_trial, listeners, speed, hold, grace, viewer, by_hand):
@@ -176,7 +176,7 @@ def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0, viewer=No
 def relay(port=0, **options):
     """Address of a rosbridge server without a simulation, on which clients hear each other.
 
-    `options` are those of a server.
+    See `RosbridgeServer` for `options`.
     """
     at = listen_at("127.0.0.1", port)
 
@@ -197,7 +197,7 @@ def relay(port=0, **options):
 
 
 class Command:
-    """`floorwalker bridge` in a process of its own: its address, and what it says on stderr."""
+    """`floorwalker bridge` in a separate process, with its address and its lines on stderr."""
 
     def __init__(self, folder, *arguments, **options):
         serve = () if "--connect" in arguments else ("--port", "0", "--out", "out")

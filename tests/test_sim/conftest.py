@@ -12,7 +12,7 @@ from waiting import HANG
 import sim
 
 ENDS_WITHIN = 30.0
-"""Seconds within which a thread ends after the helper that stopped it has waited for it."""
+"""Time (s) within which a thread ends after its helper has stopped it."""
 
 ARGUMENTS = [
     "--no-sandbox",
@@ -28,13 +28,13 @@ ARGUMENTS = [
 
 @pytest.fixture(autouse=True, scope="module")
 def no_thread_stays():
-    """See that a module leaves no thread behind: what it did then would disturb other tests."""
+    """Require that a module leaves no thread behind, because it would disturb other tests."""
     before = {*threading.enumerate()}
     yield
     if workers := sys.modules.get("joblib.externals.loky"):
-        workers.get_reusable_executor().shutdown(wait=True)  # joblib keeps them for later
+        workers.get_reusable_executor().shutdown(wait=True)  # joblib reuses them
     for thread in {*threading.enumerate()} - before:
-        if thread.name.startswith("Dask-Offload"):  # an idle pool of Dask's, for the whole process
+        if thread.name.startswith("Dask-Offload"):  # an idle pool of Dask
             continue
         thread.join(ENDS_WITHIN)
         assert not thread.is_alive(), f"{thread} is still running"
@@ -42,20 +42,20 @@ def no_thread_stays():
 
 @pytest.fixture(scope="module")
 def run(request):
-    """The run of a module's `TRIAL`, at which all of its tests look."""
+    """The run of a module's `TRIAL`, shared by all of its tests."""
     return sim.run(sim.Trial.parse(request.module.TRIAL))
 
 
 @pytest.fixture
 def room_for(monkeypatch):
-    """Lets no file grow beyond a number of bytes, while the context lasts: a full disk."""
+    """Return a context that limits the size of files (bytes), as a full disk does."""
     resource = pytest.importorskip("resource")
 
     @contextmanager
     def room_for(size):
         before = resource.getrlimit(resource.RLIMIT_FSIZE)
         with monkeypatch.context() as now:
-            # Python keeps the first part of a module's bytecode, and fails to import it again.
+            # Python would write truncated bytecode, and fail to import it again.
             now.setattr(sys, "dont_write_bytecode", True)
             resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
             try:
@@ -79,7 +79,7 @@ def browser(chromium):
 
 @pytest.fixture(scope="module")
 def axe():
-    """The script of axe-core, which finds what keeps people out of a page."""
+    """The script of axe-core, which finds barriers for disabled people in a page."""
     package = pytest.importorskip("axe_playwright_python", reason="axe-core is not installed")
     [script] = Path(package.__file__).parent.rglob("axe.min.js")
     return script.read_text(encoding="utf-8")
@@ -87,7 +87,7 @@ def axe():
 
 @pytest.fixture
 def open_address(browser):
-    """Opens addresses in the browser, until the test is over."""
+    """Return a function that opens addresses in the browser until the end of the test."""
     viewers = []
 
     def open_address(address, **options):
@@ -101,7 +101,7 @@ def open_address(browser):
 
 @pytest.fixture
 def open_page(open_address, tmp_path):
-    """Opens a page that is given as HTML, from disk."""
+    """Return a function that opens HTML text as a page, from disk."""
     numbers = iter(range(1000))
 
     def open_page(html, **options):
@@ -114,7 +114,7 @@ def open_page(open_address, tmp_path):
 
 @pytest.fixture(scope="module")
 def open_shared_page(browser, tmp_path_factory):
-    """The same for a page that all tests of a module look at."""
+    """Return the same function for a page that all tests of a module share."""
     viewers = []
 
     def open_page(html, **options):

@@ -16,14 +16,14 @@ from sim.people.crowd.traveller import Traveller
 
 
 class Walkers:
-    """People who walk along the courses of a test, and what their reactions are."""
+    """People who walk along the courses of a test, with their reactions."""
 
     def __init__(self):
         self.clock = Clock()
         self.table = Commitments()
         self.people = {}
         self.decided = []
-        """People who decided again."""
+        """People who replanned."""
         self.committed = {}
         """Motions to which people were committed."""
         self.interruptions = Interruptions(
@@ -45,7 +45,7 @@ class Walkers:
         )
 
     def walker(self, *course, speed=1.0, goal=True, **keys):
-        """Let a person stand at the first place of a course, and walk along it if there is more."""
+        """Add a person at the first place of a course, who walks along the rest."""
         me = Traveller(
             len(self.table.people),
             Body(self.clock, f"p{len(self.table.people)}", "human", standing(course[0])),
@@ -67,12 +67,12 @@ class Walkers:
         return me
 
     def walk(self, me, *course):
-        """Let somebody who stands walk along a course from now on."""
+        """Start the walk of a standing person along a course."""
         draft = me.draft(course, self.clock.now)
         me.follow(motion_along(draft, 0.0), draft)
 
     def vehicle(self, *course, speed=1.0):
-        """Let a vehicle as large as a person drive along a course."""
+        """Add a vehicle of the size of a person, which drives along a course."""
         return self.walker(*course, speed=speed, recorded=True, is_vehicle=True)
 
     def until(self, t):

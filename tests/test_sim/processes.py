@@ -1,4 +1,4 @@
-"""The command in a process of its own, for tests."""
+"""The command in a separate process, for tests."""
 
 import os
 import subprocess
@@ -8,12 +8,12 @@ from waiting import HANG
 
 
 def command_line(*words, options=()):
-    """The words of the command, started with these options of Python."""
+    """Return the command line, started with these options of Python."""
     return [sys.executable, *options, "-m", "floorwalker", *map(str, words)]
 
 
 def in_a_process(*words, cwd, env=None, options=()):
-    """The command at its end, with what it has printed."""
+    """Run the command to its end, and return it with its output."""
     return subprocess.run(
         command_line(*words, options=options),
         cwd=cwd,
@@ -25,6 +25,6 @@ def in_a_process(*words, cwd, env=None, options=()):
 
 
 def started(*words, cwd, **options):
-    """The command as it has begun."""
+    """Start the command."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen(command_line(*words), cwd=cwd, **pipes, **options)

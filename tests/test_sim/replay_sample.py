@@ -1,7 +1,7 @@
-"""A recording made up for the tests of the replay page: the ARIAC floor, 275 s, and one mishap.
+"""Scripted recording for tests of the replay page: the ARIAC floor, 275 s, and one violation.
 
-It is scripted, not simulated, and shares no code with the simulation: whatever the page shows of
-it can be compared with what is computed here.
+It is not simulated and shares no code with the simulation, so everything on the page can be
+compared with the values computed here.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ PATROL = {
     "station3": [(-5.0, -3.75)],
 }
 AGAIN = {"station4": [(-6.4, -4.3), (-9.0, -4.3), (-10.8, -3.75)]}
-"""The ways of the second round and later, where they differ."""
+"""Paths of the second and later rounds, if they differ."""
 
 AGV_MOVES = {
     "agv1": [(75.0, "assembly_front"), (180.0, "kitting")],
@@ -57,18 +57,18 @@ class Track:
             self.t = until
 
     def put(self, at, heading):
-        """Somewhere else at once."""
+        """Put the body elsewhere at once."""
         self.at, self.heading = at, heading
 
     def cut(self, t):
-        """Forget what comes after `t`."""
+        """Remove the pieces after `t`."""
         self.pieces = [piece for piece in self.pieces if piece[0] < t]
         self.pieces[-1][1] = min(t, self.pieces[-1][1])
         x, y, self.heading, *_ = pose(self.pieces, t)
         self.t, self.at = t, (x, y)
 
     def brake(self, acceleration):
-        """To a stop, straight on."""
+        """Brake to a stop, straight ahead."""
         x, y, heading, vx, vy = before(self.pieces, self.t)
         speed = math.hypot(vx, vy)
         if speed == 0.0:
@@ -80,7 +80,7 @@ class Track:
         self.t, self.at = end, (x, y)
 
     def follow(self, points, *, speed, acceleration):
-        """Along straight lines, from rest to rest without slowing at corners; turned ahead."""
+        """Move along straight lines, from rest to rest without slowing at corners, turned ahead."""
         corners = [self.at, *points]
         lengths = [math.dist(a, b) for a, b in itertools.pairwise(corners)]
         phases = trapezoid(sum(lengths), speed, acceleration)
@@ -97,7 +97,7 @@ class Track:
         self.at = corners[-1]
 
     def shift(self, to, rotation, *, speed=1.0, acceleration=0.5):
-        """Straight to a place from rest to rest, turning all the way."""
+        """Move straight to a place from rest to rest, turning all the way."""
         (x0, y0), r0 = self.at, self.heading
         length = math.dist((x0, y0), to)
         for begin, end, way in trapezoid(length, speed, acceleration):
@@ -116,13 +116,13 @@ class Track:
 
 
 def line(start, end, part):
-    """The polynomial from `start` to `end` as `part` (a polynomial) goes from 0 to 1."""
+    """Return the polynomial from `start` to `end` as `part` (a polynomial) goes from 0 to 1."""
     change = end - start
     return [start + change * part[0], change * part[1], change * part[2]]
 
 
 def trapezoid(length, speed, acceleration):
-    """Rest to rest over `length`: [(begin, end, (s0, v0, a/2))], s the way so far."""
+    """Return phases from rest to rest over `length`: (begin, end, coefficients of the distance)."""
     ramp = min(speed / acceleration, math.sqrt(length / acceleration))
     top = acceleration * ramp
     climb = top * ramp / 2
@@ -135,7 +135,7 @@ def trapezoid(length, speed, acceleration):
 
 
 def within(phases, low, high):
-    """The parts of `phases` in which the way goes from `low` to `high`."""
+    """Return the parts of `phases` in which the distance goes from `low` to `high`."""
     for begin, end, (s, v, a) in phases:
         first, last = s, s + (end - begin) * (v + (end - begin) * a)
         if last <= low + 1e-9 or first >= high - 1e-9:
@@ -146,21 +146,21 @@ def within(phases, low, high):
 
 
 def time_at(way, v, a):
-    """When v u + a u² reaches `way`."""
+    """Return the time at which v u + a u² reaches `way`."""
     if abs(a) < 1e-12:
         return way / v
     return (-v + math.sqrt(max(0.0, v * v + 4 * a * way))) / (2 * a)
 
 
 def pose(pieces, t):
-    """x, y, rotation, vx, vy at `t`: the meaning of a recorded motion, said once more."""
+    """Return x, y, rotation, vx, vy of a recorded motion at `t`."""
     index = bisect_right(pieces, t, key=lambda piece: piece[0]) - 1
     piece = pieces[max(index, 0)]
     return evaluate(piece, t, moving=piece[0] <= t < piece[1])
 
 
 def before(pieces, t):
-    """The same just before `t`, where the last piece ends."""
+    """Return the same just before `t`, where the last piece ends."""
     return evaluate(pieces[-1], t, moving=True)
 
 
@@ -176,7 +176,7 @@ def evaluate(piece, t, *, moving):
 
 
 def separation(person, other, law, t):
-    """Distance and required distance between two recorded motions at `t`."""
+    """Return distance and required distance between two recorded motions at `t`."""
     px, py, _, pvx, pvy = pose(person, t)
     ox, oy, _, ovx, ovy = pose(other, t)
     distance = math.hypot(px - ox, py - oy)
@@ -188,7 +188,7 @@ def separation(person, other, law, t):
 
 
 def violations(person, other, law, *, step=0.05):
-    """Where the distance is less than required, to within rounding, unless shorter than `step`."""
+    """Return intervals of at least `step` in which the distance is less than required."""
 
     def close(t):
         distance, required = separation(person, other, law, t)
@@ -201,18 +201,18 @@ def violations(person, other, law, *, step=0.05):
             low, high = (middle, high) if close(middle) == before else (low, middle)
         return high
 
-    found = []
+    intervals = []
     for i in range(round(DURATION / step)):
         low, high = i * step, (i + 1) * step
         if not close(low) and close(high):
-            found.append([switch(low, high), DURATION])
-        elif close(low) and not close(high) and found:
-            found[-1][1] = switch(low, high)
-    return found
+            intervals.append([switch(low, high), DURATION])
+        elif close(low) and not close(high) and intervals:
+            intervals[-1][1] = switch(low, high)
+    return intervals
 
 
 def gantry_track(stops):
-    """Jobs between bins and AGVs; at each of `stops` it brakes, and stands for DISABLED seconds."""
+    """Return jobs between bins and AGVs, with a stop of DISABLED seconds at each of `stops`."""
     jobs = [
         (8.0, (-2.6, 2.0), 0.0),
         (20.0, (-4.4, 4.2), 1.2),
@@ -237,7 +237,7 @@ def gantry_track(stops):
 
 
 def person_track(name, start, heading, caught=math.inf, begin=2.0):
-    """The patrol from `begin`; put into the safe zone at `caught`, from where it begins again."""
+    """Return the patrol from `begin`. It restarts in the safe zone after `caught`."""
     track = Track(start, heading)
     events = [{"t": begin, "kind": "human_started", "person": name}]
     patrol = [*PATROL.items()]
@@ -280,7 +280,7 @@ def agv_track(lane, moves):
 
 @functools.cache
 def recording():
-    """The sample, in the form that `sim.views.replay.render` takes; copy it before a change."""
+    """Return the sample as `sim.views.replay.render` takes it. Copy it before a change."""
     plan = floorplan.load("ariac2023")
     walker, _ = person_track("operator", SAFE_ZONE, SAFE_HEADING)
     first = violations(walker.pieces, gantry_track([]).pieces, LAW)[0][0]
@@ -349,9 +349,9 @@ def recording():
 
 def watch(person, other, motions):
     law = LAW if other == "gantry" else {"distance": 2.1}
-    found = violations(motions[person], motions[other], law)
+    intervals = violations(motions[person], motions[other], law)
     notice = {"notice": 2.0, "notice_cap": None} if other == "gantry" else {}
-    return {"person": person, "other": other, "law": law, **notice, "violations": found}
+    return {"person": person, "other": other, "law": law, **notice, "violations": intervals}
 
 
 def summary(events, motions):
@@ -386,7 +386,7 @@ def summary(events, motions):
 
 
 def describe(plan):
-    """A floorplan as the recording has it."""
+    """Return a floorplan as a recording has it."""
     return {
         "name": plan.name,
         "title": plan.title,

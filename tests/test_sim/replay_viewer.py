@@ -1,4 +1,4 @@
-"""A replay page in a real browser, as the tests look at it."""
+"""A replay page in a real browser, as the tests use it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from waiting import HANG
 
 
 class Viewer:
-    """A page in the browser, with what it complained about and asked the network for."""
+    """A page in the browser, with its errors and its requests to the network."""
 
     def __init__(self, browser, address, **options):
         self.context = browser.new_context(**options)
@@ -35,27 +35,27 @@ class Viewer:
         self.settle()
 
     def settle(self):
-        """Wait until what was asked for is drawn."""
+        """Wait until the requested frame is drawn."""
         self.page.evaluate(
             "() => new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
         )
 
     def stands(self):
-        """Whether the replay shows the same instant in a row of frames."""
+        """Return whether the replay shows the same time in a row of frames."""
         before = self.time
         for _ in range(5):
             self.settle()
         return self.time == before
 
     def wait_until(self, holds):
-        """Wait for what comes by itself. (The page forbids the driver's own way, which is eval.)"""
+        """Wait until `holds` is true. The driver's own wait needs eval, which the page forbids."""
         hangs_at = time.monotonic() + HANG
         while not holds():
             assert time.monotonic() < hangs_at, "waited for what did not come"
             self.page.wait_for_timeout(20)
 
     def still(self, locator):
-        """A screenshot of something that has come to rest: two in a row are the same."""
+        """Return a screenshot of an element at rest: two in a row are the same."""
         shots = [locator.screenshot()]
 
         def same():
@@ -76,6 +76,6 @@ class Viewer:
         return float(self.text(selector).split()[0].replace("−", "-"))
 
     def differ(self, one, other):
-        """Whether two screenshots show different things, beyond the smoothing of edges."""
+        """Return whether two screenshots differ by more than the smoothing of edges."""
         images = [Image.open(io.BytesIO(png)).convert("L") for png in (one, other)]
         return ImageChops.difference(*images).getextrema()[1] > 60

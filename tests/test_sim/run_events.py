@@ -1,4 +1,4 @@
-"""Runs recorded, their events by kind and field, and what thoughts add up to, for tests."""
+"""Recorded runs, their events by kind and field, and sums of thoughts, for tests."""
 
 import sim
 from sim.core.recorder import Figure as Figure, Scene as Scene
@@ -7,7 +7,7 @@ from sim.runs.run import Recorded as Recorded
 
 
 def record(trial, folder):
-    """Run a trial and record it in a folder; return the run."""
+    """Run a trial, record it in a folder, and return the run."""
     recording = sim.Recording(folder)
     run = sim.run(trial, recording)
     recording.finish(run)
@@ -15,7 +15,7 @@ def record(trial, folder):
 
 
 def events(run, *kinds, **fields):
-    """The events of any of `kinds` whose fields have these values, in their order."""
+    """Return the events of any of `kinds` with these values of fields, in order."""
     return [
         event
         for event in run.events
@@ -24,19 +24,19 @@ def events(run, *kinds, **fields):
 
 
 def first(run, *kinds, after=0.0):
-    """The first event of any of `kinds` at or after the instant `after`, seconds."""
+    """Return the first event of any of `kinds` at or after `after` (s)."""
     return next(event for event in events(run, *kinds) if event["t"] >= after)
 
 
 def said(run):
-    """Everything that people say, in order."""
+    """Return everything that people say, in order."""
     return [event["text"] for event in events(run, "said")]
 
 
 def beliefs_after(thoughts):
     """Return the beliefs after these thoughts, from their changes alone."""
-    held = set()
+    beliefs = set()
     for thought in thoughts:
-        held -= set(thought.get("forgets", ()))
-        held |= set(thought.get("believes", ()))
-    return held
+        beliefs -= set(thought.get("forgets", ()))
+        beliefs |= set(thought.get("believes", ()))
+    return beliefs

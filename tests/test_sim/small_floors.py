@@ -26,12 +26,12 @@ agvs:
 
 
 def on_floor(floor, text):
-    """The text of a trial on a floor, which stands in it."""
+    """Return the text of a trial that contains its floor."""
     return "floorplan:\n" + "".join(f"  {line}\n" for line in floor.splitlines()) + text
 
 
 def run_on(floor, text, folder):
-    """The run of a trial on a floor, which is written and read again before."""
+    """Run a trial on a floor, after writing and reading the trial again."""
     trial = sim.Trial.parse(on_floor(floor, text), folder=folder)
     assert sim.Trial.parse(trial.to_yaml(folder), folder=folder) == trial
     return sim.run(trial)

@@ -134,7 +134,7 @@ def test_a_stop_does_not_count_as_waiting_time(simulation):
     assert waited.processed
 
 
-def test_a_new_target_replaces_the_run_under_way(simulation):
+def test_a_new_target_replaces_the_current_run(simulation):
     cart = cart_of(simulation)
     cart.drive("far")
     cart_of(simulation, 6.0)
@@ -144,7 +144,7 @@ def test_a_new_target_replaces_the_run_under_way(simulation):
     assert cart.stands and cart.lane_position == pytest.approx(3.0)
 
 
-def test_a_limit_of_the_speed_applies_to_the_run_under_way(simulation):
+def test_a_speed_limit_applies_to_the_current_run(simulation):
     cart = cart_of(simulation)
     cart.drive("far")
     cart_of(simulation, 5.0)

@@ -1,4 +1,4 @@
-"""Vehicles that drive freely in trials: missions, controllers, twists, and what can't be."""
+"""Vehicles that drive freely in trials: missions, controllers, twists and invalid keys."""
 
 import math
 import textwrap
@@ -35,13 +35,13 @@ def long_vehicle(more, *, duration=60.0, people="[]", folder="."):
 
 
 def problems(text):
-    """The problems of the trial in a text, with their fields."""
+    """Return the problems of the trial in a text, with their fields."""
     with pytest.raises(InputError) as why:
         sim.Trial.parse(text)
     return [(problem.field, problem.message) for problem in why.value.problems]
 
 
-def test_missions_are_done_in_order_through_aisles_and_touch_nothing():
+def test_missions_are_done_in_order_without_contacts():
     missions = "missions: [{go: aisle3}, {wait: 2.0}, {go: [3.0, 5.0, 0.5]}, {turn: -1.0}]"
     run = sim.run(long_vehicle(missions, duration=90.0))
     assert [event["job"] for event in events(run, "job_done")] == ["go", "wait", "go", "turn"]
@@ -185,7 +185,7 @@ def test_a_function_returns_a_twist_at_a_fixed_rate(beside):
     """
     run = sim.run(sim.Trial.parse(textwrap.dedent(text), folder=beside))
     motion = run.motions["turtle"]
-    # Once it is in full motion it drives on a circle of v / ω.
+    # At full speed the vehicle drives on a circle of radius v / ω.
     t = np.linspace(5.0, 29.0, 2000)
     rotation, at = motion.rotation(t), motion.position(t)
     centres = at + np.column_stack([-np.sin(rotation), np.cos(rotation)])
@@ -255,9 +255,9 @@ def test_a_rate_that_is_too_high_is_an_error(beside):
     ],
 )
 def test_invalid_keys_are_errors_before_the_run(entry, field, message):
-    found = problems(f"floorplan: warehouse\nmachines:\n  one: {{kind: amr, {entry}}}\n")
-    assert len(found) == 1
-    assert found[0][0] == f"machines.one.{field}" and message in found[0][1]
+    reported = problems(f"floorplan: warehouse\nmachines:\n  one: {{kind: amr, {entry}}}\n")
+    assert len(reported) == 1
+    assert reported[0][0] == f"machines.one.{field}" and message in reported[0][1]
 
 
 def test_two_vehicles_in_one_place_are_an_error():
@@ -336,6 +336,6 @@ def test_speed_limits_of_zones_apply_while_the_footprint_covers_them(to):
         assert max(map(abs, pull)) <= 0.7 + 1e-6 and abs(6 * piece.x[3]) <= 3 + 1e-6
 
 
-def test_a_zone_that_concerns_others_does_not_slow_a_vehicle():
+def test_a_zone_for_other_machines_does_not_slow_a_vehicle():
     run = sim.run(sim.Trial.parse(SLOW.format(whom=", concerns: [ann]", to="[28, 4]")))
     assert events(run, "job_done")[0]["t"] < 22

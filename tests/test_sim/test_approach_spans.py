@@ -1,4 +1,4 @@
-"""Approaches by hand: when the own motion of a machine brings it nearer to a person."""
+"""Approaches computed by hand: time spans in which a machine's own motion reduces the distance."""
 
 import math
 
@@ -21,23 +21,23 @@ LONG = Shapes(
 
 
 def motion(*pieces):
-    """A motion of pieces: seconds, and the cubics of x, y and the rotation."""
-    found, t = [], 0.0
+    """Return a motion of pieces: seconds, and the cubics of x, y and the rotation."""
+    segments, t = [], 0.0
     for seconds, *cubics in pieces:
         x, y, rotation = [*cubics, *[STILL] * (3 - len(cubics))]
-        found.append(Piece(t, t + seconds, x, y, rotation))
+        segments.append(Piece(t, t + seconds, x, y, rotation))
         t += seconds
-    return Motion(tuple(found))
+    return Motion(tuple(segments))
 
 
-def found(machine, spans, *, person=(0.0, 0.0), shapes=None, law=LAW):
-    """The approaches of a machine to a person during violations."""
+def approaches_of(machine, spans, *, person=(0.0, 0.0), shapes=None, law=LAW):
+    """Return the approaches of a machine to a person during violations."""
     walk = person if isinstance(person, Motion) else standing(person)
     return [*approaches(Encountered("ann", "cart", law, walk, machine, shapes, spans, []), spans)]
 
 
 def at(x, y=0.0, rotation=0.0):
-    """Where a machine stands for two seconds."""
+    """Return a piece in which a machine rests for two seconds."""
     return (2.0, (x, 0.0, 0.0, 0.0), (y, 0.0, 0.0, 0.0), (rotation, 0.0, 0.0, 0.0))
 
 
@@ -46,15 +46,15 @@ BOTH = pytest.mark.parametrize("shapes", [None, ROUND])
 
 @BOTH
 def test_an_approach_lasts_as_long_as_the_machine_drives_at_the_person(shapes):
-    # It stands at 3 m, comes to 1 m from rest to rest, and drives off.
+    # The machine rests at 3 m, drives to 1 m from rest to rest, and drives off.
     there = (4.0, (3.0, 0.0, -2 * 3 / 16, 2 * 2 / 64))
     away = (4.0, (1.0, 0.0, 2 * 3 / 16, -2 * 2 / 64))
     machine = motion(at(3.0), there, away)
-    (one,) = found(machine, [(0.0, 10.0)], shapes=shapes)
+    (one,) = approaches_of(machine, [(0.0, 10.0)], shapes=shapes)
     assert (one.person, one.machine) == ("ann", "cart")
     if shapes is None:
         assert (one.begin, one.end) == pytest.approx((2.0, 6.0), abs=1e-6)
-    else:  # the first and the last micrometres of a second are no approach between surfaces
+    else:  # between surfaces, the first and last micrometres are no approach
         assert (one.begin, one.end) == pytest.approx((2.0, 6.0), abs=1e-4)
     assert one.margin == pytest.approx(1.0 - 4.0 - (0.8 if shapes else 0.0), abs=1e-6)
     assert one.time == pytest.approx(6.0, abs=1e-2)
@@ -62,11 +62,11 @@ def test_an_approach_lasts_as_long_as_the_machine_drives_at_the_person(shapes):
 
 @BOTH
 def test_an_approach_may_begin_and_end_within_a_piece(shapes):
-    # x' = -1 + (u - 2)² within one piece of 5 s: it comes nearer from 1 to 3 s.
+    # x' = -1 + (u - 2)² within one piece of 5 s: the distance decreases from 1 to 3 s.
     piece = (5.0, (2.5, 3.0, -2.0, 1 / 3))
     machine = motion(at(2.5), piece)
     spans = [(0.0, 7.0)]
-    (one,) = found(machine, spans, shapes=shapes)
+    (one,) = approaches_of(machine, spans, shapes=shapes)
     assert (one.begin, one.end) == pytest.approx((3.0, 5.0), abs=2e-5)
     x = 2.5 + 3.0 * 3 - 2.0 * 9 + 9.0
     assert one.margin == pytest.approx(x - 4.0 - (0.8 if shapes else 0.0), abs=1e-4)
@@ -76,26 +76,26 @@ def test_an_approach_may_begin_and_end_within_a_piece(shapes):
 def test_a_machine_that_passes_approaches_until_it_is_beside_the_person(shapes):
     passing = (6.0, (-3.0, 1.0, 0.0, 0.0), (1.5, 0.0, 0.0, 0.0))
     machine = motion(at(-3.0, 1.5), passing)
-    (one,) = found(machine, [(0.0, 8.0)], shapes=shapes)
+    (one,) = approaches_of(machine, [(0.0, 8.0)], shapes=shapes)
     assert (one.begin, one.end) == pytest.approx((2.0, 5.0), abs=3e-5)
     assert one.margin == pytest.approx(1.5 - 4.0 - (0.8 if shapes else 0.0), abs=1e-6)
     person = standing((2.0, 0.2))
-    (one,) = found(machine, [(0.0, 8.0)], person=person, shapes=shapes)
+    (one,) = approaches_of(machine, [(0.0, 8.0)], person=person, shapes=shapes)
     assert one.end == pytest.approx(7.0, abs=1e-4)
 
 
 @BOTH
-def test_what_goes_on_from_the_begin_of_the_violation_is_no_approach(shapes):
+def test_closing_that_lasts_since_the_begin_of_the_violation_is_no_approach(shapes):
     there = (4.0, (3.0, -0.25, 0.0, 0.0))
     machine = motion(at(3.0), there, at(2.0), (1.0, (2.0, -0.4, 0.0, 0.0)))
     spans = [(2.0, 9.0)]
-    (one,) = found(machine, spans, shapes=shapes)
+    (one,) = approaches_of(machine, spans, shapes=shapes)
     assert (one.begin, one.end) == pytest.approx((8.0, 9.0), abs=1e-4)
-    assert [a.begin for a in found(machine, [(1.9, 9.0)], shapes=shapes)] == pytest.approx(
+    assert [a.begin for a in approaches_of(machine, [(1.9, 9.0)], shapes=shapes)] == pytest.approx(
         [2.0, 8.0], abs=1e-4
     )
-    assert found(machine, [(3.0, 5.5)], shapes=shapes) == []
-    assert found(machine, [(6.5, 7.5)], shapes=shapes) == []
+    assert approaches_of(machine, [(3.0, 5.5)], shapes=shapes) == []
+    assert approaches_of(machine, [(6.5, 7.5)], shapes=shapes) == []
 
 
 @BOTH
@@ -103,7 +103,7 @@ def test_each_violation_has_its_own_approaches(shapes):
     there = (2.0, (3.0, -0.5, 0.0, 0.0))
     back = (2.0, (2.0, 0.5, 0.0, 0.0))
     machine = motion(at(3.0), there, back, at(3.0), there, back)
-    both = found(machine, [(1.0, 5.0), (7.0, 12.0)], shapes=shapes)
+    both = approaches_of(machine, [(1.0, 5.0), (7.0, 12.0)], shapes=shapes)
     assert [(a.begin, a.end) for a in both] == [
         pytest.approx((2.0, 4.0), abs=1e-4),
         pytest.approx((8.0, 10.0), abs=1e-4),
@@ -115,42 +115,42 @@ def test_each_violation_has_its_own_approaches(shapes):
 )
 @pytest.mark.parametrize("seconds", [0.004, 0.5, 4.0])
 @BOTH
-def test_a_machine_that_comes_no_nearer_than_a_millimetre_does_not_approach(
+def test_a_machine_that_comes_less_than_a_millimetre_nearer_does_not_approach(
     metres, count, seconds, shapes
 ):
     there = (seconds, (3.0, -metres / seconds, 0.0, 0.0))
     machine = motion(at(3.0), there, at(3.0 - metres))
-    assert len(found(machine, [(0.0, seconds + 3.0)], shapes=shapes)) == count
+    assert len(approaches_of(machine, [(0.0, seconds + 3.0)], shapes=shapes)) == count
 
 
 @BOTH
 def test_a_machine_that_a_person_walks_up_to_does_not_approach(shapes):
     walk = Motion.from_samples([0.0, 2.0, 8.0], [(0.0, 0.0), (0.0, 0.0), (2.0, 0.0)])
     machine = motion(at(3.0), (6.0, (3.0, 0.0, 0.0, 0.0)))
-    assert found(machine, [(0.0, 8.0)], person=walk, shapes=shapes) == []
+    assert approaches_of(machine, [(0.0, 8.0)], person=walk, shapes=shapes) == []
     leaves = motion(at(3.0), (6.0, (3.0, 0.5, 0.0, 0.0)))
-    assert found(leaves, [(0.0, 8.0)], person=walk, shapes=shapes) == []
+    assert approaches_of(leaves, [(0.0, 8.0)], person=walk, shapes=shapes) == []
     after = motion(at(3.0), (6.0, (3.0, -0.1, 0.0, 0.0)))
     fleeing = Motion.from_samples([0.0, 2.0, 8.0], [(0.0, 0.0), (0.0, 0.0), (-3.0, 0.0)])
-    (one,) = found(after, [(0.0, 8.0)], person=fleeing, shapes=shapes)
+    (one,) = approaches_of(after, [(0.0, 8.0)], person=fleeing, shapes=shapes)
     assert (one.begin, one.end) == pytest.approx((2.0, 8.0), abs=1e-4)
 
 
 @BOTH
-def test_approaches_that_follow_each_other_at_once_are_one(shapes):
+def test_consecutive_approaches_are_merged(shapes):
     first = (1.0, (3.0, -0.5, 0.0, 0.0))
     second = (1.0, (2.5, -0.2, -0.1, 0.0))
     machine = motion(at(3.0), first, second, at(2.2))
-    (one,) = found(machine, [(0.0, 6.0)], shapes=shapes)
+    (one,) = approaches_of(machine, [(0.0, 6.0)], shapes=shapes)
     assert (one.begin, one.end) == pytest.approx((2.0, 4.0), abs=1e-4)
 
 
 def test_a_turn_on_the_spot_approaches_between_surfaces_only():
-    # The long side turns from across the person to along: the near end comes nearer.
+    # The long side turns towards the person, so its near end approaches.
     turn = (2.0, (1.6, 0.0, 0.0, 0.0), STILL, (math.pi / 2, 0.0, -3 * math.pi / 8, math.pi / 8))
     machine = motion(at(1.6, rotation=math.pi / 2), turn)
-    assert found(machine, [(0.0, 4.0)]) == []
-    (one,) = found(machine, [(0.0, 4.0)], shapes=LONG)
+    assert approaches_of(machine, [(0.0, 4.0)]) == []
+    (one,) = approaches_of(machine, [(0.0, 4.0)], shapes=LONG)
     assert one.begin == pytest.approx(2.0, abs=0.02)
     assert one.margin == pytest.approx(
         float(LONG.distances(np.zeros((1, 2)), np.array([machine.cubics(one.time)[:, 0]]))[0])
@@ -160,7 +160,7 @@ def test_a_turn_on_the_spot_approaches_between_surfaces_only():
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_approaches_between_surfaces_are_those_of_dense_samples(seed):
+def test_approaches_between_surfaces_equal_dense_samples(seed):
     rng = np.random.default_rng(seed)
     twist = rng.uniform([-0.8, -0.8], [0.8, 0.8])
     drive = navigation.vehicle_twist(
@@ -173,5 +173,5 @@ def test_approaches_between_surfaces_are_those_of_dense_samples(seed):
     here = poses[..., 0]
     places = np.zeros((len(t), 2))
     rate = (LONG.distances(places, here) - LONG.distances(places, ahead)) / 1e-6
-    mine = sum(a.end - a.begin for a in found(drive, spans, shapes=LONG))
+    mine = sum(a.end - a.begin for a in approaches_of(drive, spans, shapes=LONG))
     assert mine == pytest.approx(1e-3 * float((rate > 1e-5).sum()), abs=0.02)

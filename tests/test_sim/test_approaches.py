@@ -1,4 +1,4 @@
-"""Approaches of machines during violations: against dense sampling, and what they count."""
+"""Approaches of machines during violations: their counts, and durations against dense sampling."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def run_of(jobs, seed=0, personality="indifferent", rules=RULES):
 
 
 def sampled(run, step=1e-3):
-    """The seconds in which machines move towards people during violations, as sampled."""
+    """Return the sampled time (s) in which machines move towards people during violations."""
     seconds = 0.0
     for (person, machine), spans in run.violations.items():
         dx, dy = run.scene.rules.measured_at(run.scene.machine(machine))
@@ -40,7 +40,7 @@ def sampled(run, step=1e-3):
             moving = run.motions[machine]
             apart = run.motions[person].position(t) - moving.position(t) - [dx, dy]
             closing = (moving.velocity(t) * apart).sum(axis=1) > 0.0
-            # What goes on from the begin of a violation caused it.
+            # An approach that lasts since the begin of a violation is its cause.
             after = np.cumsum(~closing) > 0
             seconds += step * float((closing & after).sum())
     return seconds
@@ -49,11 +49,11 @@ def sampled(run, step=1e-3):
 @pytest.mark.parametrize("personality", ["indifferent", "antagonistic", "helpful"])
 @pytest.mark.parametrize("jobs", [TO_AND_FRO, PARTS])
 @pytest.mark.parametrize("seed", range(3))
-def test_the_duration_of_approaches_is_that_of_dense_sampling(jobs, seed, personality):
+def test_the_duration_of_approaches_equals_dense_sampling(jobs, seed, personality):
     run = run_of(jobs, seed, personality)
-    found = run.summary["approaches"]
-    assert found["duration"] == pytest.approx(sampled(run), abs=0.02)
-    assert (found["count"] == 0) == (found["duration"] == 0)
+    approaches = run.summary["approaches"]
+    assert approaches["duration"] == pytest.approx(sampled(run), abs=0.02)
+    assert (approaches["count"] == 0) == (approaches["duration"] == 0)
 
 
 def test_a_machine_that_sets_out_towards_a_person_already_too_near_is_counted():
@@ -61,16 +61,16 @@ def test_a_machine_that_sets_out_towards_a_person_already_too_near_is_counted():
     counted = [run for run in runs if run.summary["approaches"]["count"]]
     assert counted
     for run in counted:
-        found = run.summary["approaches"]
-        spans = run.violations[found["person"], found["machine"]]
-        assert any(begin < found["time"] <= end for begin, end in spans)
-        assert found["margin"] < 0.0
-        least = run.margin(found["person"], found["machine"], found["time"])
-        assert found["margin"] == pytest.approx(float(least), abs=1e-5)
+        approaches = run.summary["approaches"]
+        spans = run.violations[approaches["person"], approaches["machine"]]
+        assert any(begin < approaches["time"] <= end for begin, end in spans)
+        assert approaches["margin"] < 0.0
+        least = run.margin(approaches["person"], approaches["machine"], approaches["time"])
+        assert approaches["margin"] == pytest.approx(float(least), abs=1e-5)
 
 
 def test_a_violation_that_the_machine_begins_is_no_approach():
-    # The person stands; the machine comes, and stops within the required distance.
+    # The machine drives up to a standing person, and stops within the required distance.
     text = TRIAL.format(
         jobs="[{wait: 30}, {move: [-5.0, 2.5, 0]}, {wait: 60}]",
         seed=0,

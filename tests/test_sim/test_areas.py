@@ -1,4 +1,4 @@
-"""Areas that machines sweep: they contain all that is covered, and little more."""
+"""Swept areas of machines: they contain every covered point, and little more."""
 
 import math
 
@@ -19,7 +19,7 @@ STILL = (0.0, 0.0, 0.0, 0.0)
 
 
 def covered(shape, motion, begin, end):
-    """The area that a machine covers on a motion, by samples."""
+    """Return the area that a machine covers on a motion, from samples."""
     states = [motion.state(float(t)) for t in np.linspace(begin, end, 120)]
     return shapely.union_all([shape.footprint(one.at, one.position[2]) for one in states])
 
@@ -34,7 +34,7 @@ def one_piece(x, y, seconds, rotation=STILL):
         one_piece((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 0.8, 0.0), 2.0),  # a parabola
         one_piece((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.5), 2.0),
         one_piece((0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 0.5), 2.0),
-        one_piece((0.0, 2.0, -1.0, 0.0), STILL, 3.0),  # forth and back on a line
+        one_piece((0.0, 2.0, -1.0, 0.0), STILL, 3.0),  # back and forth on a line
         one_piece((0.0, 2.0, -1.0, 0.0), (0.0, 1.0, -0.5, 0.0), 3.0),
         one_piece((0.0, 1.0, 0.0, 0.0), STILL, 2.0, (0.0, 0.8, 0.0, 0.0)),
         one_piece(STILL, STILL, 2.0, (0.0, 2.0, -1.0, 0.0)),
@@ -42,7 +42,7 @@ def one_piece(x, y, seconds, rotation=STILL):
         one_piece(STILL, STILL, 2.0, (0.0, 0.0, 0.7, 0.0)),
     ],
 )
-def test_a_sweep_of_a_curve_contains_all_that_is_covered_and_little_more(motion):
+def test_the_sweep_of_a_curve_contains_the_covered_area_and_little_more(motion):
     for begin, end in ((0.0, motion.end), (0.3, 1.7), (1.0, motion.end)):
         exact = covered(SHAPE, motion, begin, end)
         area = area_of(Footprint(SHAPE, CLEAR).swept(motion, begin, end))
@@ -51,7 +51,7 @@ def test_a_sweep_of_a_curve_contains_all_that_is_covered_and_little_more(motion)
 
 
 @pytest.mark.parametrize("twist", [(1.2, 0.6), (0.0, 1.0)])
-def test_a_sweep_of_an_arc_contains_all_that_is_covered_without_a_clearance(twist):
+def test_the_sweep_of_an_arc_without_clearance_contains_the_covered_area(twist):
     drive = navigation.vehicle_twist((1.0, 2.0, 0.3), twist, seconds=3.0)
     area = area_of(Footprint(SHAPE, 0.0).swept(drive, 0.0, drive.end))
     assert area.buffer(2e-4).covers(covered(SHAPE, drive, 0.0, drive.end))
@@ -68,7 +68,7 @@ def test_the_sweep_of_a_straight_drive_is_exact():
         assert len(area.polygons) == 1
 
 
-def test_the_sweep_of_what_stands_is_its_footprint_with_the_clearance():
+def test_the_sweep_of_a_stationary_machine_is_its_footprint_with_the_clearance():
     footprint = Footprint(SHAPE, CLEAR)
     stands = navigation.standing((3.0, 4.0), heading=0.7)
     exact = SHAPE.footprint((3.0, 4.0), 0.7).buffer(CLEAR, join_style="mitre")
@@ -94,7 +94,7 @@ def test_a_footprint_beside_its_axis_turns_about_the_axis():
     assert area.covers(exact) and area.within(exact.buffer(0.1))
 
 
-def test_a_long_turn_of_what_is_long_before_its_axis_leaves_the_rest_free():
+def test_a_long_turn_of_a_footprint_before_its_axis_leaves_the_other_side_free():
     outline = ((1.4, -0.3), (1.4, 0.3), (-0.4, 0.3), (-0.4, -0.3))
     keys = {"kind": "amr", "category": "vehicle", "top": 0.4, "top_speed": 1.0}
     shape = sim.MachineShape(name="long", length=2.8, width=0.6, outline=outline, **keys)
@@ -160,7 +160,7 @@ def test_machines_may_meet_unless_their_heights_or_lanes_are_apart():
 
 
 def braked(cart, motion, t):
-    """What a machine covers that brakes at an instant of a motion."""
+    """Return the area that a machine covers when it brakes at time `t` of a motion."""
     stop = cart.stopping(motion.state(t), t)
     return covered(cart.shape, stop, t, stop.end)
 
@@ -186,7 +186,7 @@ def test_a_part_contains_the_motion_and_every_stop_on_it(name, now):
     assert now < part.end <= now + 1.5
     assert area.covers(covered(cart.shape, motion, now, part.end))
     for t in np.linspace(now, part.end, 12).tolist():
-        # Within 2 cm, because stops from in between are not computed.
+        # Within 2 cm, because stops between the samples are not computed.
         assert area.buffer(0.02).covers(braked(cart, motion, t))
     last = braked(cart, motion, part.end)
     assert area.within(last.union(covered(cart.shape, motion, now, part.end)).buffer(0.3))
@@ -197,7 +197,7 @@ def test_a_part_contains_the_motion_and_every_stop_on_it(name, now):
 )
 def test_a_part_ends_where_the_machine_rests_or_after_its_time(rest, end):
     cart = Floor().cart("one", 0.0)
-    # From rest to rest in a given time: 3 s² - 2 s³ of a metre.
+    # One metre from rest to rest in a fixed time: 3 s² - 2 s³.
     first = Piece(0.0, rest, (0.0, 0.0, 3 / rest**2, -2 / rest**3), STILL, STILL)
     second = Piece(rest, rest + 3.0, (1.0, 0.0, 3 / 9, -2 / 27), STILL, STILL)
     motion = Motion((first, second))

@@ -1,4 +1,4 @@
-"""Trial files of the ARIAC competition: what they say, and what is said about those with slips."""
+"""Trial files of the ARIAC competition: their content, and the notices about mistakes."""
 
 from pathlib import Path
 
@@ -21,7 +21,7 @@ def notices(text):
     return "\n".join(str(notice) for notice in sim.Trial.parse(text, file="t.yaml").notices)
 
 
-def test_everything_that_a_file_says():
+def test_all_keys_of_a_file_are_read():
     trial = sim.Trial.parse(TEXT, file="lunch.yaml")
     assert (trial.name, trial.duration, trial.until_submitted) == ("lunch", 400.0, True)
     assert (trial.floorplan, trial.rules) == (
@@ -47,7 +47,7 @@ def test_everything_that_a_file_says():
     assert operator.start.part_placed == {"part": "red battery", "agv": "agv4"}
 
 
-def test_slips_in_angles_are_reported_with_their_line():
+def test_mistakes_in_angles_are_reported_with_their_line():
     said = notices(TEXT.replace("rotation: pi/2", "rotation: p1/2").replace("-pi/2]", "-pl/2]", 1))
     assert "line 15, parts.bins.bin1[0].rotation: 'p1/2' is not an angle; 0 is used" in said
     assert "products[0].assembled_pose.rpy[2]: '-pl/2' is not an angle" in said
@@ -104,15 +104,15 @@ orders:
         (("orders:", "order:"), "orders: is missing"),
     ],
 )
-def test_what_makes_no_sense_is_reported_with_its_place(change, message):
+def test_invalid_values_are_reported_with_their_place(change, message):
     assert TEXT.replace(*change) != TEXT
     said = problems(TEXT.replace(change[0], change[1], 1))
     assert message in said
     assert said.startswith("line ") or "orders" in said
 
 
-def test_everything_is_reported_at_once():
-    """Also what can only be seen when the rest of the file is understood."""
+def test_all_problems_are_reported_together():
+    """Some problems only appear after the rest of the file is parsed."""
     text = TEXT.replace("type: pump", "type: motor", 1).replace("agv_number: 4", "agv_number: 7")
     text = text.replace("slots: [1, 4, 7]", "slots: [1, 4, 4]").replace("id: KIT-B", "id: KIT-A", 1)
     text = text.replace("station: as1", "station: as9").replace("duration: 10.0", "duration: -1")
@@ -131,14 +131,14 @@ def test_anchors_are_read():
     assert str(sim.Trial.parse(text).workload.orders[1].task.products[2]) == "green pump"
 
 
-def test_orders_on_a_floor_that_is_not_made_for_them(tmp_path):
+def test_orders_on_an_unsuitable_floor_are_reported(tmp_path):
     (tmp_path / "work.yaml").write_text(TEXT)
     text = "floorplan: warehouse\nariac: work.yaml\n"
     with pytest.raises(sim.TrialError) as caught:
         sim.Trial.parse(text, folder=tmp_path)
-    said = str(caught.value)
-    assert "the floorplan warehouse has no gantry to work on orders" in said
-    assert "no AGV" in said
+    message = str(caught.value)
+    assert "the floorplan warehouse has no gantry to work on orders" in message
+    assert "no AGV" in message
     with pytest.raises(sim.TrialError, match=r"line 2, ariac: no such file: 'play.yaml'"):
         sim.Trial.parse("floorplan: ariac2023\nariac: play.yaml\n", folder=tmp_path)
 
@@ -148,17 +148,17 @@ def test_unreachable_places_of_the_gantry_are_reported(tmp_path):
     assert "range: [-7.0, 7.0]" in floor
     (tmp_path / "narrow.yaml").write_text(floor.replace("range: [-7.0, 7.0]", "range: [-4, 5.8]"))
     (tmp_path / "work.yaml").write_text(TEXT)
-    with pytest.raises(sim.TrialError) as told:
+    with pytest.raises(sim.TrialError) as caught:
         sim.Trial.parse("floorplan: narrow.yaml\nariac: work.yaml\n", folder=tmp_path)
-    assert "the gantry can't get to 'kit_tray_table1': y = -5.84 is outside" in str(told.value)
-    assert {problem.message.split("'")[2] for problem in told.value.problems} == {
+    assert "the gantry can't get to 'kit_tray_table1': y = -5.84 is outside" in str(caught.value)
+    assert {problem.message.split("'")[2] for problem in caught.value.problems} == {
         "kit_tray_table1",
         "disposal_bin2",
         "kit_tray_table2",
     }
 
 
-def test_a_trial_of_ours_says_when_it_ends(tmp_path):
+def test_a_custom_trial_states_its_end(tmp_path):
     (tmp_path / "work.yaml").write_text(TEXT)
 
     def trial(more):

@@ -1,4 +1,4 @@
-"""Orders in a run: announced, worked on, submitted, with people in the way and without."""
+"""Orders in a run: announced, processed and submitted, with and without people in the way."""
 
 import json
 from dataclasses import replace
@@ -77,13 +77,14 @@ def test_the_example_from_beginning_to_end():
 @pytest.mark.parametrize(
     "path", files("shift.ariac.yaml", real="ariac2023/trials/*.yaml"), ids=lambda path: path.stem
 )
-def test_files_of_the_competitions_form(path):
+def test_files_of_the_competition_submit_all_orders(path):
     trial = sim.Trial.load(path)
     run = sim.run(alone(trial))
     orders = run.summary["orders"]
     assert all(order["submitted"] is not None for order in orders.values())
     if path.name == "sample.yaml":
-        # Kits: the only green pump is faulty; 3 for the tray and 2 × 3 without the conveyor.
+        # In the kits, the only green pump is faulty. The tray counts 3 points, and the parts that
+        # do not come from the conveyor 2 × 3.
         assert [order["score"] for order in orders.values()] == [6, 9, 3, 0]
     elif path.name == "shift.ariac.yaml":
         # The last order needs a part from the conveyor.
@@ -100,7 +101,7 @@ def test_files_of_the_competitions_form(path):
     files("shift.ariac.yaml", real="ariac2023/trials/human_kitting.yaml"),
     ids=lambda path: path.stem,
 )
-def test_the_person_of_a_competition_file(path):
+def test_a_competition_file_has_a_person(path):
     trial = sim.Trial.load(path)
     (person,) = trial.people
     part, agv = ("blue sensor", "agv2") if path.stem == "shift.ariac" else ("blue battery", "agv4")
@@ -135,7 +136,7 @@ def test_orders_for_one_agv_come_one_after_the_other():
 
 
 def test_misplaced_parts_are_moved():
-    """A part upside down, one in the wrong place, one that nobody needs; the tray is right."""
+    """On the right tray lie a flipped part, a misplaced part and an unneeded part."""
     lying = [
         {"type": "pump", "color": "red", "quadrant": 1, "flipped": True},
         {"type": "pump", "color": "green", "quadrant": 2},
@@ -188,7 +189,7 @@ def test_a_second_malfunction_does_not_shorten_the_first():
     assert [event["t"] for event in events(run, "gantry_enabled")] == [30.0]
 
 
-def test_orders_that_nothing_announces_do_not_keep_the_trial_open():
+def test_orders_that_are_never_announced_do_not_prolong_the_trial():
     never = {"part_place_condition": {"type": "sensor", "color": "red", "agv": 2}}
     orders = (kitting("A", q1="red pump"), kitting("B", agv=2, tray=8, at=never, q1="red pump"))
     run = sim.run(alone(trial_of(*orders, bins=BINS)))
@@ -211,7 +212,7 @@ def test_an_agv_that_is_called_away_comes_back():
     assert run.summary["score"] == run.summary["best_score"]
 
 
-def test_a_trial_of_ours_brings_in_orders(tmp_path):
+def test_a_custom_trial_includes_orders(tmp_path):
     trial = sim.Trial.load(EXAMPLES / "kitting.trial.yaml")
     assert [person.name for person in trial.people] == ["anna", "ben"]
     assert (trial.rules, trial.duration, trial.until_submitted) == (sim.PAPER, 400.0, True)
@@ -301,10 +302,10 @@ def test_every_order_of_a_valid_trial_ends_submitted(trial, controller):
         assert order["submitted"] is not None
         assert order["announced"] <= order["submitted"]
         assert 0 <= order["score"] <= order["best"]
-        asked = next(one for one in trial.workload.orders if one.id == name)
-        complete = len(asked.task.products) - len(order["missing"])
-        if asked.kind != "kitting":
-            points = 5 if asked.kind == "combined" else 3
+        requested = next(one for one in trial.workload.orders if one.id == name)
+        complete = len(requested.task.products) - len(order["missing"])
+        if requested.kind != "kitting":
+            points = 5 if requested.kind == "combined" else 3
             bonus = 0 if order["missing"] else 4 * complete
             assert order["score"] == points * complete + bonus
         else:

@@ -1,4 +1,4 @@
-"""Points for orders and places of parts, against the tables of the competition written out."""
+"""Points for orders and places of parts, against the tables of the competition."""
 
 import math
 
@@ -14,14 +14,14 @@ from sim.orders.workload import AssemblyTask, CombinedTask, Item, KittingTask, L
 COLORS = ("blue", "green", "orange", "purple", "red")
 TYPES = ("battery", "pump", "regulator", "sensor")
 
-# (type, colour, flipped, faulty) to points, as the page has them; ~B or E gives none.
+# (type, colour, flipped, faulty) to points, as in the rules. Other combinations score none.
 QUADRANT = {
     (True, True, False, False): 3,
     (True, False, False, False): 2,
     (True, True, True, False): 2,
     (True, False, True, False): 1,
 }
-# (colour, pose) of a part that is assembled to points.
+# (colour, pose) of an assembled part to points.
 ASSEMBLY = {(True, True): 3, (True, False): 2, (False, True): 2, (False, False): 1}
 COMBINED = {(True, True): 5, (True, False): 4, (False, True): 4, (False, False): 3}
 
@@ -48,45 +48,45 @@ def test_kits(kit, lying, tray, tray_there, arrived, faulty):
         points += len(kit)
     if len(lying) > len(kit):
         points -= len(lying) - len(kit)
-    wanted = max(points, 0) * (1 if arrived else 0)
+    expected = max(points, 0) * (1 if arrived else 0)
     task = KittingTask(agv="agv1", tray=tray, destination="warehouse", products=kit)
     load = Load(tray_there, lying)
-    assert kitting_score(task, load, arrived=arrived, faulty=faulty) == wanted
+    assert kitting_score(task, load, arrived=arrived, faulty=faulty) == expected
 
 
 @given(products, products, st.data())
-def test_inserts(asked, inserted, data):
+def test_inserts(requested, inserted, data):
     poses = {part.type: data.draw(st.booleans()) for part in inserted}
     there = {part.type: Inserted(part, poses[part.type]) for part in inserted}
     for task, table in (
-        (AssemblyTask("as1", ("agv1",), tuple(asked)), ASSEMBLY),
-        (CombinedTask("as1", tuple(asked)), COMBINED),
+        (AssemblyTask("as1", ("agv1",), tuple(requested)), ASSEMBLY),
+        (CombinedTask("as1", tuple(requested)), COMBINED),
     ):
         points = 0
-        for part in asked:
+        for part in requested:
             for other in inserted:
                 if other.type == part.type:
                     points += table[other.color == part.color, poses[part.type]]
-        if points == max(table.values()) * len(asked):
-            points += 4 * len(asked)
+        if points == max(table.values()) * len(requested):
+            points += 4 * len(requested)
         assert assembly_score(task, there) == points
 
 
 @given(kits, products)
-def test_the_best_score_is_that_of_a_faultless_order(kit, asked):
+def test_the_best_score_is_that_of_a_faultless_order(kit, requested):
     kitting = KittingTask(agv="agv1", tray=4, destination="as1", products=kit)
     load = Load(4, {quadrant: Item(part) for quadrant, part in kit.items()})
     assert best_score(kitting) == kitting_score(kitting, load, arrived=True)
-    there = {part.type: Inserted(part) for part in asked}
+    there = {part.type: Inserted(part) for part in requested}
     for task in (
-        AssemblyTask("as1", ("agv1",), tuple(asked)),
-        CombinedTask("as1", tuple(asked)),
+        AssemblyTask("as1", ("agv1",), tuple(requested)),
+        CombinedTask("as1", tuple(requested)),
     ):
         assert best_score(task) == assembly_score(task, there)
 
 
 def test_positions_equal_those_of_the_competition():
-    """Against coordinates in the competition's world frame, worked out by hand."""
+    """The coordinates in the competition's world frame are computed by hand."""
     plan = floorplan.load("ariac2023")
 
     def world(obstacle, offset):
@@ -122,8 +122,8 @@ def test_positions_equal_those_of_the_competition():
     ],
 )
 def test_angles(text, value):
-    found = angle(text)
+    parsed = angle(text)
     if value is None:
-        assert found is None or math.isnan(found)
+        assert parsed is None or math.isnan(parsed)
     else:
-        assert found == pytest.approx(value)
+        assert parsed == pytest.approx(value)

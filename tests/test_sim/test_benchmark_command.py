@@ -61,14 +61,14 @@ def test_a_scenario_is_measured_and_all_files_are_written(hall, floorwalker):
         ({"questions": Path("none.scen")}, "none.scen: there is no such file"),
     ],
 )
-def test_senseless_options_are_named(options, why):
-    with pytest.raises((ValueError, typer.BadParameter)) as found:
+def test_invalid_options_are_named(options, why):
+    with pytest.raises((ValueError, typer.BadParameter)) as caught:
         command(**options)
-    hint = getattr(found.value, "param_hint", None)
-    assert why in (f"{hint}: {found.value}" if hint else str(found.value))
+    hint = getattr(caught.value, "param_hint", None)
+    assert why in (f"{hint}: {caught.value}" if hint else str(caught.value))
 
 
-def test_senseless_options_are_one_message(floorwalker):
+def test_invalid_options_cause_one_message(floorwalker):
     for words, code in ((["--planner", "Dijkstra"], 1), (["--runs", 0], 2)):
         done = floorwalker("benchmark", *words)
         assert done.returncode == code
@@ -85,7 +85,7 @@ def test_an_unsolved_query_has_no_length(hall, floorwalker):
     assert "–" in done.stdout
 
 
-def test_peers_are_named_only_after_an_unknown_planner(hall, floorwalker):
+def test_other_planners_are_listed_only_after_an_unknown_planner(hall, floorwalker):
     for planner, named in (("Dijkstra", True), ("RRT: {rang: 1}", False), ("mine:Own", False)):
         done = floorwalker("benchmark", "--floorplan", hall / "hall.map", "--planner", planner)
         assert done.returncode == 1
@@ -93,7 +93,7 @@ def test_peers_are_named_only_after_an_unknown_planner(hall, floorwalker):
 
 
 def test_the_report_shows_every_planner_and_can_be_read(tmp_path, open_address):
-    """Also a planner that found nothing: in light and dark, wide and narrow."""
+    """Include a planner without paths, light and dark colours, and wide and narrow windows."""
     plan = floorplan.load("machine_shop")
     planners = ["Roadmap", "RRTConnect", "RRTstar: {iterations: 2}"]
     attempts = benchmark([plan], planners, queries=7, seed=2)
@@ -116,7 +116,7 @@ def test_the_report_shows_every_planner_and_can_be_read(tmp_path, open_address):
 
 
 def test_a_report_is_written_without_known_shortest_paths(tmp_path, floorwalker):
-    """Of too many corners, whatever is asked first: a straight path, or one around corners."""
+    """The map has too many corners, for either order of a straight query and one around corners."""
     pegs = ["".join("@" if x % 3 == y % 3 == 1 else "." for x in range(55)) for y in range(55)]
     text = "\n".join(["type octile", "height 55", "width 55", "map", *pegs])
     (tmp_path / "pegs.map").write_text(text)
@@ -144,8 +144,8 @@ def test_a_report_is_written_without_known_shortest_paths(tmp_path, floorwalker)
 
 
 @pytest.mark.parametrize("times", [1.0, 0.0])
-def test_a_report_is_written_where_few_questions_have_a_path(tmp_path, times):
-    """So that no median of costs is finite; also where the clock is too coarse for any time."""
+def test_a_report_is_written_if_few_queries_have_a_path(tmp_path, times):
+    """No median of costs is finite. Also cover a clock that is too coarse for any time."""
     plan = floorplan.load("machine_shop")
     attempts = [
         replace(

@@ -1,4 +1,4 @@
-"""People beside vehicles: nobody walks into one that they see coming."""
+"""People beside vehicles: they never walk into a vehicle that they see coming."""
 
 import random
 
@@ -20,7 +20,7 @@ route([{route}]).
 
 
 def walks_into(run):
-    """Who touches a vehicle while they walk towards it: a name and a time for each contact."""
+    """Yield the name and time (s) of each contact of a person walking towards a vehicle."""
     for person in run.scene.people:
         walk = run.motions[person.name]
         body = Cylinder(radius=person.radius, top=person.height)
@@ -83,7 +83,7 @@ CORRIDORS = [
     for seed in range(12)
 ]
 STRUCK = [(3.0, 5209), (3.0, 5366), (4.0, 5183), (4.0, 5220), (4.0, 5531)]
-"""Widths and seeds in which the vehicle turns towards a person, who then walked on."""
+"""Widths and seeds for which the vehicle turns towards a walking person."""
 
 
 @pytest.mark.parametrize(("width", "seed"), [*CORRIDORS, *STRUCK])
@@ -107,7 +107,7 @@ def test_people_avoid_a_long_vehicle_that_turns_in_a_corridor(tmp_path, width, s
 
 
 def test_a_person_passes_a_long_vehicle_that_leaves_room(tmp_path):
-    """2.4 × 0.8 m in 2.4 m: 0.8 m are left beside it, less than beside a disc around it."""
+    """A vehicle of 2.4 × 0.8 m leaves 0.8 m in a 2.4 m corridor, but a disc around it does not."""
     bot = {"kind": "amr", "at": [3.0, 0.7, 0.0], "size": [2.4, 0.8]}
     bot |= {"missions": [{"go": [20.0, 0.7]}]}
     run = run_of(tmp_path, (24.0, 2.4), [((16.0, 1.2), [(1.0, 1.2)])], {"bot": bot})
@@ -116,7 +116,7 @@ def test_a_person_passes_a_long_vehicle_that_leaves_room(tmp_path):
 
 
 def hall(rng):
-    """People and vehicles at random places of a hall, with routes and missions."""
+    """Return people and vehicles at random places of a hall, with routes and missions."""
     spots = [(2 + 4 * i, 2 + 4 * j) for i in range(4) for j in range(3)]
     rng.shuffle(spots)
     people = [
@@ -148,8 +148,8 @@ def test_people_avoid_a_vehicle_in_a_hall(tmp_path, seed):
     assert [*walks_into(run)] == []
 
 
-def test_contacts_are_those_of_the_footprint_where_it_is(tmp_path):
-    """A footprint behind the axis does not reach those who stand in front of it."""
+def test_contacts_use_the_actual_position_of_the_footprint(tmp_path):
+    """A footprint behind the axis does not reach people in front of the axis."""
     behind = [[-1.5, -0.4], [0.1, -0.4], [0.1, 0.4], [-1.5, 0.4]]
     bot = {"kind": "amr", "at": [6.0, 3.0, 0.0], "footprint": behind}
     bot |= {"missions": [{"go": [7.0, 3.0]}]}

@@ -1,4 +1,4 @@
-"""Rules between surfaces: everything that uses the law, against sampled footprints."""
+"""Rules between surfaces: every use of the law, against sampled footprints."""
 
 import json
 from functools import cache
@@ -49,7 +49,7 @@ LAWS = {
 }
 
 STEP = 0.01
-"""Seconds between sampled instants."""
+"""Interval of samples (s)."""
 
 
 @cache
@@ -67,14 +67,14 @@ def run_of(seed, law="fixed", controller="oblivious", machine="none"):
 
 
 def surfaces(run, machine, pose):
-    """The area of a machine at a pose, with the circle of its arm."""
+    """Return the area of a machine at a pose, with the circle of its arm."""
     shape = run.scene.machine(machine)
     area = shape.footprint(pose[:2], pose[2])
     return area.union(shapely.Point(pose[:2]).buffer(shape.reach, 256)) if shape.reach else area
 
 
 def sampled(run, person, machine, t):
-    """Distances between surfaces (m), speeds of the axis and of the farthest corner (m/s)."""
+    """Return distances between surfaces (m), speeds of the axis and the farthest corner (m/s)."""
     motion, shape = run.motions[machine], run.scene.machine(machine)
     radius = next(one.radius for one in run.scene.people if one.name == person)
     poses = np.column_stack([motion.position(t), motion.rotation(t)])
@@ -99,7 +99,7 @@ def at_an_end(spans, t, away=2e-3):
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
-def test_violations_are_those_of_sampled_footprints(seed, law):
+def test_violations_equal_those_of_sampled_footprints(seed, law):
     run = run_of(seed, law)
     t = np.arange(0.005, run.duration, 0.1)
     for (person, machine), spans in run.violations.items():
@@ -133,7 +133,7 @@ def test_violations_begin_and_end_where_the_surfaces_are_that_far_apart(seed):
 
 
 @pytest.mark.slow
-def test_least_distances_and_margins_are_those_of_dense_sampling():
+def test_minimum_distances_and_margins_equal_dense_sampling():
     run = run_of(0, "linear")
     margins = {}
     for person, machine in run.violations:
@@ -142,8 +142,8 @@ def test_least_distances_and_margins_are_those_of_dense_sampling():
         begin = run.summary["people"][person]["started"]
         t = np.arange(begin, run.duration, STEP)
         distance, _, _ = sampled(run, person, machine, t)
-        found = run.summary["people"][person]["minimum_separation"]["distance"]
-        assert distance.min() - 0.03 <= found <= distance.min() + 3e-5
+        recorded = run.summary["people"][person]["minimum_separation"]["distance"]
+        assert distance.min() - 0.03 <= recorded <= distance.min() + 3e-5
         margins[person] = float((distance - run.required(person, machine, t)).min())
     assert run.summary["least_margin"]["value"] <= min(margins.values()) + 3e-5
     least = run.summary["least_margin"]
@@ -154,7 +154,7 @@ def test_least_distances_and_margins_are_those_of_dense_sampling():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_duration_of_approaches_is_that_of_dense_sampling(seed):
+def test_the_duration_of_approaches_equals_dense_sampling(seed):
     run = run_of(seed)
     step, seconds = 2e-3, 0.0
     for (person, machine), spans in run.violations.items():
@@ -168,7 +168,8 @@ def test_the_duration_of_approaches_is_that_of_dense_sampling(seed):
                 for one in (t, t + 1e-5)
             )
             nearer = shapes.distances(places, now) - shapes.distances(places, later) > 1e-10
-            # What goes on from the begin of a violation caused it, be it slow at first.
+            # An approach that lasts since the begin of a violation is its cause, even if it is slow
+            # at first.
             after = np.cumsum(~nearer & (t > begin + 0.01)) > 0
             seconds += step * float((nearer & after).sum())
     assert run.summary["approaches"]["duration"] == pytest.approx(seconds, abs=0.05)
@@ -212,7 +213,7 @@ def test_a_vehicle_that_turns_on_the_spot_violates_the_law_with_its_corners():
     ((begin, end),) = run.violations["ann", "bar"]
     distance, _, _ = sampled(run, "ann", "bar", np.array([begin, end]))
     assert distance == pytest.approx([0.2, 0.2], abs=1e-6)
-    # Between centres nothing happens: the vehicle stands, as that counts speed.
+    # Between centres there is no violation, because the centre of the vehicle does not move.
     run = sim.run(sim.Trial.parse(TURN.format(between="centres")))
     assert not run.violations["ann", "bar"]
 
@@ -229,8 +230,8 @@ def test_recordings_and_trials_keep_where_distances_are_measured(tmp_path):
     worked_out = sim.load_run(folder).violations
     for pair, spans in run.violations.items():
         lasting = [span for span in spans if span[1] - span[0] > 1e-6]
-        found = [span for span in worked_out[pair] if span[1] - span[0] > 1e-6]
-        assert np.array(found) == pytest.approx(np.array(lasting), abs=1e-6)
+        loaded = [span for span in worked_out[pair] if span[1] - span[0] > 1e-6]
+        assert np.array(loaded) == pytest.approx(np.array(lasting), abs=1e-6)
     run.trial.save(tmp_path / "again.yaml")
     written = yaml.safe_load((tmp_path / "again.yaml").read_text())
     assert written["rules"]["between"] == "surfaces"

@@ -23,7 +23,7 @@ def kinds(run, *wanted):
     return [(round(e["t"], 3), e["kind"]) for e in run.events if e["kind"] in wanted]
 
 
-def test_an_agv_that_sees_nobody_drives_on_and_stops_when_it_sees_again():
+def test_an_agv_continues_during_a_blackout_and_stops_after_it():
     seeing = sim.run(sim.Trial.parse(FLOOR))
     assert not kinds(seeing, "violation") and kinds(seeing, "agv_yielded")
     stands = seeing.motions["cart"].position(40.0)[0]
@@ -32,11 +32,11 @@ def test_an_agv_that_sees_nobody_drives_on_and_stops_when_it_sees_again():
     )
     x = blind.motions["cart"].position([20.0, 23.0, 40.0])[:, 0]
     assert x[0] == pytest.approx(stands) and x[0] + 1.0 < x[1] < 12.0
-    assert x[2] - x[1] <= 1.0 + 1e-6  # it brakes as soon as it sees: v² / 2a at the most
+    assert x[2] - x[1] <= 1.0 + 1e-6  # the AGV brakes as soon as it sees again, within v² / 2a
     assert len(kinds(blind, "violation")) == 1
 
 
-def test_the_gantrys_controller_sees_nobody():
+def test_the_controller_of_a_gantry_sees_no_people_during_a_blackout():
     seen = []
 
     def watching(gantry):

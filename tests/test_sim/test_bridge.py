@@ -63,7 +63,7 @@ def happenings(run):
         pytest.param("indifferent", 275.0, marks=pytest.mark.slow),
     ],
 )
-def test_an_agent_across_the_bridge_does_the_same_as_within(personality, duration):
+def test_an_agent_across_the_bridge_acts_as_in_the_simulation(personality, duration):
     within = sim.run(trial(personality, duration))
     with served(trial("external", duration)) as session:
         done = drive(session.url, personality)
@@ -96,7 +96,7 @@ def test_a_run_of_an_agent_across_the_bridge_repeats_to_the_byte(personality, sp
 
 @pytest.mark.slow
 @pytest.mark.parametrize("personality", ["curious", "scared", "surprised", "threatening"])
-def test_so_do_agents_that_want_more_than_ros_has_words_for(personality):
+def test_agents_with_actions_beyond_ros_repeat_too(personality):
     within = sim.run(trial(personality))
     with served(trial("external")) as session:
         drive(session.url, personality)
@@ -104,7 +104,7 @@ def test_so_do_agents_that_want_more_than_ros_has_words_for(personality):
     assert happenings(across) == happenings(within)
 
 
-def test_an_agent_that_plans_its_ways_itself_gets_there():
+def test_an_agent_that_plans_its_own_paths_arrives():
     with served(trial(duration=40.0, start=1.0)) as session:
         drive(session.url, "indifferent", waypoints=True)
         run = session.join()
@@ -146,7 +146,7 @@ def test_the_state_is_published_ten_times_a_simulated_second():
     }
 
 
-def test_somebody_outside_drives_the_person():
+def test_an_external_client_drives_the_person():
     with (
         served(trial(duration=40.0), speed=20.0, by_hand=True) as session,
         Pacer(session) as client,
@@ -165,7 +165,7 @@ def test_somebody_outside_drives_the_person():
     assert reasons[0] == "gantry"
 
 
-def test_who_watches_is_told_of_any_gantry_as_of_a_gantry():
+def test_every_gantry_is_published_as_a_gantry():
     north = sim.MachineEntry("gantry", {"at": [-10.8, -1.5, 0.0]})
     a_trial = replace(trial("indifferent", duration=20.0), machines={"north": north})
     with served(a_trial, speed=20.0, by_hand=True) as session, Pacer(session) as client:
@@ -175,7 +175,7 @@ def test_who_watches_is_told_of_any_gantry_as_of_a_gantry():
     assert {event["with"] for event in run.events if event["kind"] == "violation"} == {"north"}
 
 
-def test_a_stop_is_a_stop():
+def test_a_stop_message_stops_the_person():
     with (
         served(trial(duration=20.0), speed=10.0, by_hand=True) as session,
         Pacer(session) as client,
@@ -222,7 +222,7 @@ def test_services_of_the_workcell():
     assert next(e["agv"] for e in run.events if e["kind"] == "agv_moved") == "agv2"
 
 
-def test_rosapi_lists_what_there_is():
+def test_rosapi_lists_topics_and_services():
     with served(trial("indifferent"), hold=True) as session, Client(session.url) as client:
         _, listed = client.call("/rosapi/topics")
         types = dict(zip(listed["topics"], listed["types"], strict=True))
@@ -245,7 +245,7 @@ def test_rosapi_lists_what_there_is():
         ]
 
 
-def test_time_stands_still_without_the_agent_and_goes_on_when_one_is_back():
+def test_time_stops_without_the_agent_and_continues_after_its_return():
     with served(trial(duration=300.0), speed=50.0, by_hand=True) as session:
         with Pacer(session) as agent:
             agent.subscribe("/ariac/start_human")
@@ -266,7 +266,7 @@ def test_time_stands_still_without_the_agent_and_goes_on_when_one_is_back():
             assert session.notices[-1] == f"goes on at t = {stood_at:.1f} s"
 
 
-def test_a_viewer_that_vanishes_and_comes_back_finds_the_run_going():
+def test_the_run_continues_while_a_viewer_is_disconnected():
     with served(trial("indifferent", duration=60.0), speed=20.0, by_hand=True) as session:
         times = []
         for _ in range(3):
@@ -280,7 +280,7 @@ def test_a_viewer_that_vanishes_and_comes_back_finds_the_run_going():
         assert session.notices[-1] == "the trial begins"
 
 
-def test_time_keeps_to_the_wall_clock():
+def test_time_follows_the_wall_clock():
     with served(trial("indifferent", duration=5.0), speed=4.0, by_hand=True) as session:
         for k in range(5):
             assert session.now == pytest.approx(k, abs=1e-6)
@@ -290,7 +290,7 @@ def test_time_keeps_to_the_wall_clock():
 
 
 def test_small_messages_are_not_held_back_by_the_kernel():
-    """Nagle's algorithm would delay each by 40 ms, until the last one is acknowledged."""
+    """Nagle's algorithm would delay each message by 40 ms, until the last one is acknowledged."""
     with served(trial()) as session, Client(session.url):
 
         def is_prompt():
@@ -315,11 +315,11 @@ def test_messages_can_be_throttled_and_queued():
         client.send(op="unsubscribe", topic="/clock")
         client.heard()
         client.subscribe("/clock", throttle_rate=100, queue_length=1000)
-        found = tenths(5)
-        assert found == list(range(found[0], found[0] + 5))
+        times = tenths(5)
+        assert times == list(range(times[0], times[0] + 5))
 
 
-def test_long_messages_come_in_fragments_where_a_client_wants_that():
+def test_long_messages_are_fragmented_on_request():
     with served(trial("indifferent"), speed=1.0) as session, Client(session.url) as client:
         client.subscribe("/tf", fragment_size=200)
         pieces = [client.hear_until(lambda said: said["op"] == "fragment")]
@@ -337,7 +337,7 @@ def test_long_messages_come_in_fragments_where_a_client_wants_that():
         assert answer["id"] == "in pieces"
 
 
-def test_clients_hear_each_other_on_topics_of_their_own():
+def test_clients_exchange_messages_on_custom_topics():
     with relay() as url, Client(url) as one, Client(url) as other:
         other.subscribe("/chat", type="std_msgs/String")
         other.call("/none")
@@ -352,7 +352,7 @@ def test_clients_hear_each_other_on_topics_of_their_own():
 
 @pytest.fixture(scope="module")
 def held():
-    """Session that waits to begin, for many tests."""
+    """Session that waits to begin, shared by many tests."""
     with served(hold=True) as session:
         yield session
 
@@ -361,7 +361,7 @@ GOAL, STOP, ACTION = "/ariac_human/goal_position", "/ariac_human/stop", "/ariac_
 
 
 @pytest.mark.parametrize(
-    ("op", "topic", "rest", "told"),
+    ("op", "topic", "rest", "words"),
     [
         ("publish", "/ariac_human/state", {"msg": {}}, "by the simulation alone"),
         ("publish", "/nowhere", {"msg": {}}, "no topic is called '/nowhere'"),
@@ -377,16 +377,16 @@ GOAL, STOP, ACTION = "/ariac_human/goal_position", "/ariac_human/stop", "/ariac_
         ("png", "/x", {"data": ""}, "unknown operation"),
     ],
 )
-def test_what_a_client_may_not_is_told_to_it_alone(op, topic, rest, told, held):
+def test_a_forbidden_operation_is_reported_to_its_client_alone(op, topic, rest, words, held):
     with Client(held.url) as wrong, Client(held.url) as other:
         wrong.send(op=op, topic=topic, **rest, id="why")
         complaint = wrong.error()
-        assert told in complaint["msg"]
+        assert words in complaint["msg"]
         assert (complaint["level"], complaint["id"]) == ("error", "why")
         assert other.call("/rosapi/nodes") == (True, {"nodes": ["/floorwalker"]})
 
 
-def test_too_many_commands_at_one_instant_are_refused_and_the_run_goes_on():
+def test_too_many_commands_at_one_time_are_rejected_and_the_run_continues():
     with served(trial(duration=5.0), hold=True) as session, Client(session.url) as client:
         for _ in range(2000):
             client.publish("/ariac_human/stop", data=True)
@@ -396,7 +396,7 @@ def test_too_many_commands_at_one_instant_are_refused_and_the_run_goes_on():
         assert not session.join().summary["interrupted"]
 
 
-def test_only_one_client_steps_through_the_time():
+def test_only_one_client_steps_the_time():
     with served(trial(duration=5.0)) as session, Client(session.url) as one:
         assert one.call("/floorwalker/advance", until=-1.0) == (True, {"time": 0.0, "ended": False})
         with Client(session.url) as other:
@@ -412,7 +412,7 @@ def test_only_one_client_steps_through_the_time():
         assert not ok and "paced" in why
 
 
-def test_an_agent_that_steps_and_vanishes_leaves_a_run_that_stands():
+def test_the_run_stops_when_the_stepping_agent_disconnects():
     with served(trial(duration=50.0)) as session:
         with Client(session.url) as agent:
             agent.call("/floorwalker/advance", until=0.0)
@@ -423,7 +423,7 @@ def test_an_agent_that_steps_and_vanishes_leaves_a_run_that_stands():
     assert run.summary["people"]["operator"]["visits"][0] == "station4"
 
 
-def test_our_agent_against_a_plain_rosbridge():
+def test_the_agent_works_with_a_plain_rosbridge():
     """Another simulation has no rosapi, no topics of Floorwalker, and states at 10 Hz."""
     heard = []
     with relay() as url, Client(url) as simulation:
@@ -514,7 +514,7 @@ def test_an_agent_whose_connection_breaks_off_tries_again():
     assert notices == [connected, lost, connected]
 
 
-def test_an_agent_needs_somebody_to_connect_to():
+def test_an_agent_without_a_server_is_reported():
     with pytest.raises(ConnectError, match="can't connect"):
         drive("ws://127.0.0.1:1", "indifferent")
     with pytest.raises(ConnectError, match="is not an address"):
@@ -596,7 +596,7 @@ def test_a_bridge_serves_several_people_and_vehicles(tmp_path):
         ("/ariac_human/goal_position", {"x": 1e300}, ("/ariac_human/goal_position", "1e+300")),
     ],
 )
-def test_a_rejected_message_is_one_line_with_its_topic_and_value(topic, message, words):
+def test_a_rejected_message_causes_one_line_with_its_topic_and_value(topic, message, words):
     with served(sim.Trial.parse(HALL), hold=True) as session, Client(session.url) as client:
         client.call("/ariac/start_competition")
         client.publish(topic, **message)
@@ -606,7 +606,7 @@ def test_a_rejected_message_is_one_line_with_its_topic_and_value(topic, message,
             assert word in line
 
 
-def test_a_flood_and_a_killed_client_disturb_nobody_else(tmp_path):
+def test_a_flood_and_a_killed_client_do_not_disturb_other_clients(tmp_path):
     recording, again = sim.Recording(tmp_path / "first"), sim.Recording(tmp_path / "second")
     text = HALL.replace("personality: external", "personality: indifferent").replace(
         "duration: 40", "duration: 400"
@@ -634,7 +634,7 @@ def test_a_flood_and_a_killed_client_disturb_nobody_else(tmp_path):
     assert in_bytes(tmp_path / "second") == in_bytes(tmp_path / "first")
 
 
-def test_a_clock_that_goes_back_is_reported_and_the_time_of_the_agent_goes_on():
+def test_a_clock_that_goes_back_is_reported_and_the_agent_time_continues():
     notices, a_trial = [], trial("indifferent")
     agent = RemoteAgent("ws://127.0.0.1:1", a_trial, a_trial.people[0], notice=notices.append)
     times = []
@@ -673,7 +673,7 @@ def test_two_publishers_of_one_topic_are_reported_once():
     assert len(lines) == 1
 
 
-def test_a_port_that_is_taken_is_told():
+def test_an_occupied_port_is_reported():
     with relay() as url:
         port = int(url.rpartition(":")[2])
         exchange = Exchange()
@@ -686,7 +686,7 @@ def test_a_port_that_is_taken_is_told():
             asyncio.run(serve())
 
 
-def test_what_goes_wrong_in_a_users_controller_ends_the_run_with_its_error(tmp_path):
+def test_an_error_in_a_custom_controller_ends_the_run_with_that_error(tmp_path):
     (tmp_path / "broken_gantry.py").write_text(
         "def broken(gantry):\n    yield gantry.wait(1.0)\n    raise RuntimeError('out of oil')\n"
     )
@@ -696,7 +696,7 @@ def test_what_goes_wrong_in_a_users_controller_ends_the_run_with_its_error(tmp_p
         session.join()
 
 
-def test_actions_are_written_so_that_they_are_read_as_they_were():
+def test_actions_are_equal_after_writing_and_reading():
     for x in (-10.8, 1 / 3, 1e-7, 123456.789):
         action = bdi.Literal("move", (x, 0.0))
         assert bdi.parse_literal(str(action)).args[0] == x

@@ -10,7 +10,7 @@ from sim.bridge.waiting import done_within
 
 
 async def cancelled_as_it_happens(waiting, happens):
-    """Cancel a task that waits, in the turn of the loop in which it happens."""
+    """Cancel a waiting task in the same turn of the loop in which its event happens."""
     task = asyncio.create_task(waiting)
     for _ in range(3):
         await asyncio.sleep(0)
@@ -53,7 +53,7 @@ def test_a_wait_ends_with_its_time_and_leaves_no_task():
     gc.collect()
 
 
-def test_an_error_of_what_is_waited_for_is_raised():
+def test_an_error_of_the_awaited_event_is_raised():
     async def fail():
         raise OSError("gone")
 

@@ -1,4 +1,4 @@
-"""The command `floorwalker bridge`: both ends of it, and what it says when something is wrong."""
+"""The command `floorwalker bridge`: both ends of a bridge, and the messages for errors."""
 
 import json
 from urllib.request import Request, urlopen
@@ -33,14 +33,14 @@ def test_both_ends_of_a_bridge(folder):
         assert actions[0] == {"t": 0.0, "action": "move(-10.8,-3.75,0)"}
         code, report = server.finish()
     assert code == 0, server.notices
-    # Whether it had time to stand still depends on how soon the agent came.
+    # The time spent waiting depends on how soon the agent connects.
     alone = "stands still at t = 0.0 s: there is no agent"
-    assert [told for told in server.notices[1:] if told != alone] == ["the trial begins"]
+    assert [notice for notice in server.notices[1:] if notice != alone] == ["the trial begins"]
     assert "station4" in report
     require_whole(folder / "out")
 
 
-def test_a_run_that_is_interrupted_is_kept_with_what_was_done_on_its_page(folder):
+def test_an_interrupted_run_is_recorded_with_the_commands_from_its_page(folder):
     options = ("--duration", "1e6", "--speed", "20", "--watch", "--no-open")
     with Command(folder, "outside.yaml", *options) as server:
         with Client(server.url) as agent:
@@ -63,10 +63,10 @@ def test_a_run_that_is_interrupted_is_kept_with_what_was_done_on_its_page(folder
     assert "The recording up to then is kept" in server.notices[-1]
 
 
-def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
+def test_errors_are_reported_and_leave_no_folder_behind(folder, floorwalker):
     with relay() as url:
         taken = url.rpartition(":")[2]
-        for arguments, code, told in (
+        for arguments, code, words in (
             (["outside.yaml", "--port", taken], 1, f"can't serve at 127.0.0.1:{taken}"),
             (["outside.yaml", "--speed", "-1"], 2, "must be 0 or more, not -1"),
             (["outside.yaml", "--port", "70000"], 2, "--port"),
@@ -81,7 +81,7 @@ def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
         ):
             done = floorwalker("bridge", *arguments, cwd=folder)
             assert (done.returncode, done.stdout) == (code, ""), done.stderr
-            assert told in done.stderr
+            assert words in done.stderr
             assert "Traceback" not in done.stderr
     assert [path.name for path in folder.iterdir()] == ["outside.yaml"]
 

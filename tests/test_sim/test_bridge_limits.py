@@ -1,4 +1,4 @@
-"""Accepted clients of a bridge, and the bytes held for them."""
+"""Accepted clients of a bridge, and the bytes buffered for them."""
 
 import itertools
 import json
@@ -39,7 +39,7 @@ def is_let_in(url, origin):
         return False
 
 
-def test_pages_from_elsewhere_are_not_let_in():
+def test_pages_of_other_origins_are_rejected():
     notices = []
     named = Origins(["http://Robot:8080", "https://lab.example:443"])
     with relay(origins=named, notice=notices.append) as url:
@@ -64,7 +64,7 @@ def test_pages_from_elsewhere_are_not_let_in():
         assert is_let_in(url, "null")
 
 
-def test_a_page_behind_a_name_of_its_own_is_not_let_in():
+def test_a_page_behind_a_custom_host_name_is_rejected():
     """A name may resolve to this machine after its page is loaded, unlike an IP address."""
     with relay() as url:
         for host, origin, status in (
@@ -84,12 +84,12 @@ def test_a_page_behind_a_name_of_its_own_is_not_let_in():
 
 
 @pytest.mark.parametrize("origin", ["robot:8080", "*", "http://robot/page", "", "http://a b"])
-def test_an_origin_that_is_none_is_refused(origin):
+def test_an_invalid_origin_is_rejected(origin):
     with pytest.raises(OriginError, match="one looks like http://host:8080"):
         Origins([origin])
 
 
-# ── bytes held ──
+# ── buffered bytes ──
 
 
 def publisher(client, topic="/talk"):
@@ -143,7 +143,7 @@ def test_fragments_of_all_clients_count_together():
         crowd = [Client(url) for _ in range(8)]
         for k, client in enumerate(crowd):
             client.__enter__()
-            # Of these characters Python takes four bytes each.
+            # Python uses four bytes for each of these characters.
             data = "\U0001f600" * 10_000
             with suppress(ConnectionClosed):
                 for num in range(7):
@@ -172,7 +172,7 @@ ATTACKS = {
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
-def test_what_is_not_complete_or_not_read_counts(attack):
+def test_incomplete_and_unread_messages_count(attack):
     beginning, rest = ATTACKS[attack]
     ledger = Ledger(most_for_one=1_000_000)
     most = []
@@ -188,7 +188,7 @@ def test_what_is_not_complete_or_not_read_counts(attack):
         with socket.create_connection(place_of(url), timeout=HANG) as wrong:
             wrong.sendall(UPGRADE + beginning)
             with pytest.raises(ConnectionError):
-                while True:  # and nothing is read
+                while True:  # the client reads nothing
                     wrong.sendall(rest * 1000)
         over.set()
         watching.join()
@@ -205,8 +205,8 @@ def test_a_message_that_grows_when_it_is_completed_is_not_passed_on():
         assert "is the maximum" in speaker.error()["msg"]
 
 
-def test_nothing_counts_any_more_once_it_is_gone():
-    """The count returns to zero when clients undo everything."""
+def test_released_bytes_no_longer_count():
+    """The count returns to zero when clients undo all their operations."""
     chances = random.Random(5)
     ledger = Ledger()
     topics = ["/a", "/b", "/c"]
@@ -254,7 +254,7 @@ FEW = 80
 """Number of files that a process may open."""
 
 
-def test_connections_that_say_nothing_are_bounded(monkeypatch):
+def test_silent_connections_are_limited(monkeypatch):
     monkeypatch.setattr("sim.bridge.server._MOST_CONNECTIONS", 3)
     with relay() as url:
         silent = [socket.create_connection(place_of(url), timeout=HANG) for _ in range(5)]
@@ -270,7 +270,7 @@ def test_connections_that_say_nothing_are_bounded(monkeypatch):
 
 
 @pytest.mark.slow
-def test_too_many_sockets_are_a_line_on_stderr(tmp_path):
+def test_too_many_sockets_cause_one_line_on_stderr(tmp_path):
     (tmp_path / "trial.yaml").write_text(
         "floorplan: ariac2023\npeople: [{name: operator, personality: external}]\n"
     )
@@ -283,13 +283,13 @@ def test_too_many_sockets_are_a_line_on_stderr(tmp_path):
         server.wait_for(lambda: len(server.notices) > 2)
         assert "stands still" in server.notices[1]
         assert "too many open files" in server.notices[2].lower()
-        time.sleep(1.5)  # it tries again every second
+        time.sleep(1.5)  # the server tries again every second
         for one in crowd:
             one.close()
         with Client(server.url) as client:
             assert client.call("/rosapi/topics")[0]
         crowd = [socket.create_connection(place_of(server.url)) for _ in range(2 * FEW)]
-        time.sleep(0.5)  # also at the end nothing else is said
+        time.sleep(0.5)  # the end of the session adds no message
         server.interrupt()
         for one in crowd:
             one.close()

@@ -22,7 +22,7 @@ SOUND = ("/clock", "/ariac_human/state", "/tf", "/joint_states")
 
 @pytest.fixture(scope="module")
 def busy(tmp_path_factory):
-    """Session for clients that misbehave, and the folder of its recording."""
+    """Session for misbehaving clients, and the folder of its recording."""
     folder = tmp_path_factory.mktemp("recording") / "run"
     recording = sim.Recording(folder)
     a_trial = trial("indifferent", duration=1e6)
@@ -43,7 +43,7 @@ def require_undisturbed(session):
         assert tenths == list(range(tenths[0], tenths[0] + 20))
 
 
-def test_a_message_of_3_mb_is_refused_and_its_sender_stays(busy):
+def test_a_message_of_3_mb_is_rejected_and_its_sender_stays_connected(busy):
     with Client(busy.url) as client:
         client.socket.send(json.dumps({"op": "publish", "topic": "/x", "msg": "x" * 3_000_000}))
         assert "is the maximum" in client.error()["msg"]
@@ -75,7 +75,7 @@ def test_ten_thousand_topics_are_too_many(busy):
     require_undisturbed(busy)
 
 
-def test_a_client_that_never_reads_costs_others_nothing(busy):
+def test_a_client_that_never_reads_does_not_delay_others(busy):
     lazy = Client(busy.url, max_queue=1)
     with lazy:
         lazy.subscribe(*SOUND, queue_length=1_000_000)
@@ -86,7 +86,7 @@ def test_a_client_that_never_reads_costs_others_nothing(busy):
         assert max(len(client.outbox) for client in clients) <= len(SOUND) * LONGEST_QUEUE
 
 
-def test_a_client_that_asks_and_never_reads_is_let_go(busy):
+def test_a_client_that_calls_and_never_reads_is_disconnected(busy):
     lazy = Client(busy.url, max_queue=1)
     with pytest.raises(ConnectionClosed), lazy:
         for _ in range(1_000_000):
@@ -94,14 +94,14 @@ def test_a_client_that_asks_and_never_reads_is_let_go(busy):
     require_undisturbed(busy)
 
 
-def test_half_open_connections_are_nobody_s_concern(busy):
+def test_half_open_connections_do_not_disturb_other_clients(busy):
     host, port = busy.url.removeprefix("ws://").split(":")
     quiet = []
     for beginning in (b"", b"GET / HTTP/1.1\r\nHost: x\r\n", b"\x00\xff" * 100, b"GET /\r\n\r\n"):
         half = socket.create_connection((host, int(port)))
         half.sendall(beginning)
         quiet.append(half)
-    # A reset instead of a farewell: what a client leaves behind that was switched off.
+    # Reset the connection without a close frame, as a client that is switched off does.
     abrupt = socket.create_connection((host, int(port)))
     protocol = ClientProtocol(parse_uri(busy.url))
     protocol.send_request(protocol.connect())
@@ -138,7 +138,7 @@ def random_message(chances):
 
 
 def fuzz(url, seed, over):
-    """Connect, send random messages and disconnect in different ways, until it is over."""
+    """Connect, send random messages and disconnect in different ways until the session ends."""
     chances = random.Random(seed)
     while not over.is_set():
         try:
@@ -156,7 +156,7 @@ def fuzz(url, seed, over):
 
 
 @pytest.mark.slow
-def test_nonsense_from_several_clients_disturbs_nobody(tmp_path):
+def test_random_messages_of_several_clients_do_not_disturb_others(tmp_path):
     (tmp_path / "fuzzed.yaml").write_text(FUZZED)
     with Command(tmp_path, "fuzzed.yaml", "--speed", "5") as server, Client(server.url) as good:
         good.subscribe("/ariac/start_human", "/clock")

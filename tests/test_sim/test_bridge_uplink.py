@@ -104,7 +104,7 @@ def test_services_and_types_are_those_of_the_server():
     server.stop()
 
 
-def test_time_stands_still_while_the_connection_is_broken():
+def test_time_stops_while_the_connection_is_broken():
     with relay() as url:
         served = Uplinked(url, HALL.replace("duration: 40", "duration: 4000"))
         until(lambda: served.workcell.now > 1.0)
@@ -115,7 +115,7 @@ def test_time_stands_still_while_the_connection_is_broken():
             until(lambda: served.workcell.now > stood)
 
 
-def test_what_cannot_be_served_through_another_server_is_said(tmp_path, floorwalker):
+def test_unsupported_features_of_another_server_are_reported(tmp_path, floorwalker):
     with pytest.raises(ConnectError, match="can't connect"):
         wrong = Uplinked("ws://127.0.0.1:1")
         wrong.thread.join(HANG)

@@ -1,4 +1,4 @@
-"""The budget of a trial: what asks for too much is refused before any of it is made."""
+"""The budget of a trial: excessive requests are rejected before anything is created."""
 
 from dataclasses import replace
 
@@ -87,10 +87,10 @@ CART = "machines: {cart: {kind: agv, origin: [1, 1], limits: [0, 5], moves: [%s]
         ),
     ],
 )
-def test_too_much_of_something_is_refused_at_its_place(keys, place, words):
-    given = {line.partition(":")[0] for line in keys.splitlines()}
-    head = HALL if "floorplan" not in given else "\n\n\n\n\nduration: 60\n"
-    text = head.replace("duration: 60\n", "") if "duration" in given else head
+def test_an_excessive_value_is_rejected_with_its_place(keys, place, words):
+    names = {line.partition(":")[0] for line in keys.splitlines()}
+    head = HALL if "floorplan" not in names else "\n\n\n\n\nduration: 60\n"
+    text = head.replace("duration: 60\n", "") if "duration" in names else head
     with pytest.raises(sim.TrialError) as refused:
         sim.Trial.parse(f"{text}{keys}\n")
     (problem,) = refused.value.problems
@@ -98,7 +98,7 @@ def test_too_much_of_something_is_refused_at_its_place(keys, place, words):
     assert place in str(problem)
 
 
-def test_what_a_command_makes_of_a_trial_is_within_the_budget_too():
+def test_trials_changed_by_a_command_are_checked_against_the_budget():
     trial = sim.Trial.parse(f"{HALL}people: [{{name: x}}]")
     with pytest.raises(sim.TrialError, match="duration: must be at most 2,678,400 s"):
         sim.run(replace(trial, duration=1e9))
@@ -107,14 +107,14 @@ def test_what_a_command_makes_of_a_trial_is_within_the_budget_too():
         sim.run(replace(trial, people=people))
 
 
-def test_what_is_just_within_the_budget_is_accepted():
+def test_a_trial_just_within_the_budget_is_accepted():
     moves = CART % "{time: 0, to: 1, every: 0.00061}"
     assert sim.Trial.parse(HALL + moves).machines["cart"].keys["moves"][0]["every"] == 0.00061
     tasks = "people: [{name: x, schedule: [{at: a, duration: 1, every: 0.00061}]}]"
     assert sim.Trial.parse(HALL + tasks).people[0].schedule[0].every == 0.00061
 
 
-def test_a_flood_of_people_comes_in_as_they_came():
+def test_a_dense_stream_of_people_enters_in_order():
     text = f"""{HALL.replace("duration: 60", "duration: 20")}
 people: [{{name: v, personality: visitor, sink: b, source: {{at: a, rate: 1000, count: 300}}}}]
 """

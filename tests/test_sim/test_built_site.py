@@ -43,7 +43,7 @@ def served(folder):
 
 
 def opened(browser, address, **options):
-    """A page, and the requests that it makes elsewhere."""
+    """Return a page, and its requests to other servers."""
     page = browser.new_context(**options).new_page()
     elsewhere = []
 
@@ -56,7 +56,9 @@ def opened(browser, address, **options):
 
 
 @pytest.mark.parametrize("width", [390, 1440])
-def test_every_page_fits_its_window_and_makes_no_request_elsewhere(browser, folder, served, width):
+def test_every_page_fits_its_window_and_makes_no_request_to_other_servers(
+    browser, folder, served, width
+):
     page, elsewhere = opened(browser, served, viewport={"width": width, "height": 900})
     wide = []
     for file in sorted(folder.glob("*.html")):
@@ -74,7 +76,7 @@ def test_the_navigation_shows_four_kinds_of_pages_and_the_contents_of_the_page(
     sections = page.locator(".md-nav--primary .md-nav__item--section > .md-nav__link")
     assert set(KINDS) <= {text.strip() for text in sections.all_inner_texts()}
     links = page.locator(".md-sidebar--primary a.md-nav__link:visible")
-    assert links.count() >= len(list(folder.glob("*.html"))) - 1  # all but that of lost addresses
+    assert links.count() >= len(list(folder.glob("*.html"))) - 1  # without the 404 page
     assert page.locator(".md-sidebar--secondary a.md-nav__link:visible").count() > 3
 
 
@@ -86,6 +88,6 @@ def test_the_search_finds_a_page(browser, folder, served, place):
     page.locator(".md-search__input").click()
     page.keyboard.type("protective stop")
     page.locator(".md-search-result__link").first.wait_for()
-    found = page.locator(".md-search-result__link").evaluate_all("all => all.map(a => a.href)")
-    assert any("rules.html" in link for link in found)
+    links = page.locator(".md-search-result__link").evaluate_all("all => all.map(a => a.href)")
+    assert any("rules.html" in link for link in links)
     assert elsewhere == []

@@ -1,4 +1,4 @@
-"""The cell: signals, commands and tasks of people and machines, and what it rejects."""
+"""The cell: signals, commands and tasks of people and machines, and rejected values."""
 
 import math
 
@@ -141,7 +141,7 @@ def test_a_run_driven_through_the_cell_repeats_to_the_byte(tmp_path):
         ("people/ann/act", "fly(", "fly"),
     ],
 )
-def test_a_rejected_value_is_one_line_with_its_name_and_leaves_nothing(name, value, word):
+def test_a_rejected_value_causes_one_line_with_its_name_and_no_change(name, value, word):
     cell = cell_of()
     cell.commands["people/ann/start"].take(None)
     before = [*cell.simulation.commands]
@@ -198,7 +198,7 @@ def test_a_task_under_way_ends_with_the_run():
     assert "over" in drive.result
 
 
-def test_a_new_goal_replaces_the_one_under_way():
+def test_a_new_goal_replaces_the_current_goal():
     cell = cell_of()
     first = cell.tasks["machines/bot/go_to"].start(Pose(15.0, 4.0))
     ends = []
@@ -210,7 +210,7 @@ def test_a_new_goal_replaces_the_one_under_way():
     assert "replaced" in second.result
 
 
-def test_signals_on_change_are_sent_to_those_who_watch():
+def test_signals_on_change_are_sent_to_subscribers():
     cell = cell_of()
     states, percepts, kinds = [], [], []
     cell.signals["machines/bot/state"].watch(states.append)

@@ -1,4 +1,4 @@
-"""Trials that `check` accepts begin to run: none is refused at its start."""
+"""Trials that `check` accepts begin to run: none is rejected at the start."""
 
 import yaml
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
@@ -14,7 +14,7 @@ NAMES = st.sampled_from(("ada", "Ben-2", "a\0", "x" * 300, "\u00e9", "gantry", "
 
 
 def mostly(usual, odd):
-    """`usual`, and now and then `odd`."""
+    """Draw from `usual`, and sometimes from `odd`."""
     return st.integers(0, 29).flatmap(lambda k: odd if k == 0 else usual)
 
 
@@ -22,8 +22,8 @@ def size(usual):
     return mostly(st.just(usual) | ORDINARY, SIZES)
 
 
-def keys(**given):
-    return st.fixed_dictionaries({}, optional=given)
+def keys(**strategies):
+    return st.fixed_dictionaries({}, optional=strategies)
 
 
 AXIS = st.fixed_dictionaries(
@@ -155,7 +155,7 @@ TRIALS = st.fixed_dictionaries(
     suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
 )
 @given(FLOORS, TRIALS)
-def test_what_is_checked_starts_to_run(tmp_path_factory, floor, trial):
+def test_a_checked_trial_starts(tmp_path_factory, floor, trial):
     folder = tmp_path_factory.mktemp("t")
     (folder / "floor.yaml").write_text(yaml.safe_dump(floor), encoding="utf-8")
     try:

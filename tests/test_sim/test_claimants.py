@@ -1,4 +1,4 @@
-"""Claimants by themselves: what they claim, for whom they wait, and when they evade."""
+"""Claimants alone: their claims, waits and evasions."""
 
 import math
 
@@ -21,7 +21,7 @@ def floor():
 
 
 def clear_of(cart, begin, end):
-    """What a cart covers, with the distance that it keeps from claims."""
+    """Return the area that a cart covers, enlarged by its distance from claims."""
     return cart.covered(begin, end).buffer(CLEAR, join_style="mitre")
 
 
@@ -39,7 +39,7 @@ def test_a_machine_claims_the_next_second_and_every_stop_from_there(floor):
         assert claim.bounds == pytest.approx((behind, -0.31, ahead, 0.31), abs=1e-6)
 
 
-def test_a_machine_at_rest_claims_where_it_stands_alone(floor):
+def test_a_machine_at_rest_claims_its_footprint_alone(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", *FAR)
     of = floor.traffic(cart, other)
     cart.drive((2.0, 0.0, 0.0))
@@ -49,7 +49,7 @@ def test_a_machine_at_rest_claims_where_it_stands_alone(floor):
     assert claim.bounds == pytest.approx((1.49, -0.31, 2.51, 0.31), abs=1e-6)
 
 
-def test_a_machine_that_is_stopped_claims_its_braking_and_then_where_it_stands(floor):
+def test_a_stopped_machine_claims_its_braking_and_then_its_footprint(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", *FAR)
     of = floor.traffic(cart, other)
     cart.drive((20.0, 0.0, 0.0))
@@ -78,7 +78,7 @@ def test_the_course_of_a_machine_that_was_stopped_leads_to_its_goal(floor):
     cart.stand_for("people", True)
     for t in (6.0, 9.0):
         floor.until(t)
-        # Something moves it a bit while it is stopped, as a correction of its place does.
+        # Replace the motion of the stopped cart, as a correction of its position does.
         cart.body.follow(navigation.standing(cart.body.at, start=t))
         course = area_of(of["cart"].course)
         way = shapely.LineString([cart.body.at, (20.0, 0.0)])
@@ -90,7 +90,7 @@ def test_the_course_of_a_machine_that_was_stopped_leads_to_its_goal(floor):
     assert not area_of(of["cart"].course).covers(shapely.Point(left_at, 0.0))
 
 
-def test_a_path_elsewhere_is_no_course_until_it_leads_to_the_goal(floor):
+def test_a_path_is_no_course_unless_it_leads_to_the_goal(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", *FAR)
     of = floor.traffic(cart, other)
     cart.drive((10.0, 0.0, 0.0))
@@ -167,7 +167,7 @@ def test_a_stationary_machine_is_asked_to_make_way_before_a_detour(floor):
     ((_, wait),) = floor.recorded("MachineWaiting")
     assert wait.for_machine == "other"
     first, *_ = cart.times("detour")
-    # At rest first, and then twice as late again and again, but after two minutes at the latest.
+    # The first search is at rest. Each later interval doubles, up to two minutes.
     gaps = [0.0, 5.0, 15.0, 35.0, 75.0, 155.0, 275.0, 395.0]
     expected = [first + gap for gap in gaps if first + gap < 400.0]
     assert [*dict.fromkeys(cart.times("detour"))] == pytest.approx(expected)
@@ -188,7 +188,7 @@ def test_detours_are_searched_around_claims_with_three_margins(floor):
 
 
 def cart_rests(cart, floor):
-    """When a cart stands that has begun to wait."""
+    """Return when a waiting cart comes to rest (s)."""
     t = 0.0
     while not cart.waits:
         t += 0.25
@@ -223,7 +223,7 @@ def test_a_controller_that_leaves_ends_the_wait(floor):
     floor.until(rests + 1.0)
     x = cart.body.at[0]
     cart.left = ()
-    cart.stand_for(TRAFFIC, False)  # as a command does of a machine that only waits
+    cart.stand_for(TRAFFIC, False)  # as a command to a machine that only waits does
     cart.drive((x - 2.0, 0.0, 0.0))
     floor.until(rests + 1.5)
     assert of["cart"].waiting is None and len(floor.recorded("MachineProceeds")) == 1
@@ -232,7 +232,7 @@ def test_a_controller_that_leaves_ends_the_wait(floor):
 
 
 def two_head_on(floor, **keys):
-    """Two carts that drive at each other on one line, and one that stands far away."""
+    """Two carts that drive at each other on one line, and a third one far away."""
     left, right = floor.cart("left", 0.0, **keys), floor.cart("right", 20.0, rotation=math.pi)
     of = floor.traffic(left, right, floor.cart("far", *FAR))
     left.drive((19.0, 0.0, 0.0))
@@ -256,9 +256,9 @@ def test_the_machine_of_lower_rank_is_asked_first_to_evade(floor, priority):
     left, right, _ = two_head_on(floor, priority=priority)
     floor.until(20.0)
     first = [(name, one.times("evade")[0]) for name, one in (("left", left), ("right", right))]
-    asked = min(first, key=lambda pair: (pair[1], 0))
-    assert asked[1] == max(one.times("evade")[0] for one in (left, right)) or asked[0]
-    # Of one priority, the first in the trial has the right of way.
+    earliest = min(first, key=lambda pair: (pair[1], 0))
+    assert earliest[1] == max(one.times("evade")[0] for one in (left, right)) or earliest[0]
+    # At equal priority, the first machine in the trial has the right of way.
     assert left.asked and right.asked
 
 
@@ -282,7 +282,7 @@ def test_an_evading_machine_lets_machines_of_higher_rank_pass(floor):
     floor.until(60.0)
     assert left.body.at == pytest.approx((19.0, 0.0))
     assert right.body.at == pytest.approx((1.0, 0.0), abs=1e-6)
-    # At the passing place it waited until the other one had passed.
+    # The right cart waited at the passing place until the left one had passed.
     waits, proceeds = (
         floor.recorded(f"Machine{kind}", machine="right") for kind in ("Waiting", "Proceeds")
     )
@@ -292,7 +292,7 @@ def test_an_evading_machine_lets_machines_of_higher_rank_pass(floor):
 
 
 def claimants(floor, count, *, priorities=()):
-    """Carts far from each other with goals, at rest; and their claimants."""
+    """Return carts at rest with goals, far from each other, and their claimants."""
     carts = [
         floor.cart(f"c{k}", 3.0 * k, priority=priorities[k] if priorities else 0)
         for k in range(count)
@@ -309,7 +309,7 @@ def claimants(floor, count, *, priorities=()):
 
 
 def evading(floor, carts, all_of, k, to=(50.0, 50.0, 0.0)):
-    """Let one of the claimants wait for the next one, and evade all of them."""
+    """Make claimant `k` wait for the previous one, and return whether it can evade all of them."""
     floor.until(10.0)
     mine = all_of[k]
     ahead = [[carts[k].body.state.position]]
@@ -334,7 +334,7 @@ def test_the_machine_of_the_highest_rank_gives_up_its_right_of_way(floor):
     assert evading(floor, carts, of, 0)
     assert set(of[0].lets_pass) == {of[1], of[2]}
     assert of[0].rank < of[1].rank and of[0].rank < of[2].rank
-    assert of[1].lets_pass == {}  # nobody waits until it has passed
+    assert of[1].lets_pass == {}  # no machine waits for it to pass
 
 
 def test_a_machine_with_a_new_goal_lets_no_others_pass(floor):
@@ -349,7 +349,7 @@ def test_a_machine_evades_once_at_a_time_and_at_rest_only(floor):
     carts, of = claimants(floor, 2)
     carts[1].evasion = None
     assert not of[1].evade(of) and not of[1].evade(of)
-    assert len(carts[1].times("evade")) == 3  # one look, with three margins
+    assert len(carts[1].times("evade")) == 3  # one search, with three margins
     floor.until(10.0)
     assert not of[1].evade(of)
     assert len(carts[1].times("evade")) == 6
@@ -382,7 +382,7 @@ def test_ranks_are_by_priority_then_by_time_under_way_then_by_order(floor):
     floor.until(2.0)
     carts[0].drive((0.0, 0.0, 0.5))
     assert sorted(of, key=lambda name: of[name].rank) == ["a", "b", "c", "d"]
-    carts[0].drive((0.0, 0.0, 0.7))  # the same place: no other goal
+    carts[0].drive((0.0, 0.0, 0.7))  # the same place is no new goal
     assert of["a"].rank[1] == -2.0
     carts[2].to = (10.0, 0.0)
     carts[2].body.follow(navigation.standing((10.0, 0.0), start=2.0))
@@ -405,14 +405,14 @@ def test_a_machine_makes_way_around_claims_and_off_the_course(floor):
     cart.drive((12.0, 0.0, 0.0))
     rests = cart_rests(cart, floor)
     floor.until(rests + 0.1)
-    (asked,) = idle.asked
-    kind, t, taken, courses = asked
+    (query,) = idle.asked
+    kind, t, taken, courses = query
     assert kind == "make_way" and t == pytest.approx(rests)
     assert shapely.union_all(taken).covers(cart.shape.footprint(cart.body.at, 0.0))
     assert shapely.union_all(courses).covers(shapely.LineString([cart.body.at, (12.0, 0.0)]))
     assert cart.times("detour") == [] and cart.times("evade") == []
     floor.until(rests + 6.0)
-    assert len(idle.asked) == 2  # the first look again, because the other one moves
+    assert len(idle.asked) == 2  # the search is repeated, because the other machine moves
 
 
 def test_machines_in_a_queue_continue_one_after_the_other(floor):
@@ -453,7 +453,7 @@ def test_a_machine_without_evasion_keeps_no_margin(floor):
 
 
 def courteous(floor):
-    """A cart that lets another pass whose course it wants to cross; that one is stopped far off."""
+    """Return two carts: the first waits to cross the course of the second, stopped far away."""
     cart, other = floor.cart("cart", 10.0, -5.0, math.pi / 2), floor.cart("other", 0.0)
     of = floor.traffic(cart, other)
     other.drive((20.0, 0.0, 0.0))
@@ -528,7 +528,7 @@ def test_attempts_of_the_controller_do_not_restart_a_wait(floor):
     ((since, _),) = floor.recorded("MachineWaiting")
     for k in range(1, 4):
         floor.until(rests + k)
-        cart.stand_for(TRAFFIC, False)  # a command, to drive on along the same line
+        cart.stand_for(TRAFFIC, False)  # a command to continue on the same line
         floor.until(rests + k + 0.5)
         assert cart.waits and of["cart"].waiting.since == since
     assert len(floor.recorded("MachineWaiting")) == 1

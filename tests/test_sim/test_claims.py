@@ -1,4 +1,4 @@
-"""Claims of machines: they contain all that is swept, and never meet each other."""
+"""Claims of machines: they contain the swept areas, and never meet each other."""
 
 import math
 import random
@@ -20,7 +20,7 @@ LIMITS = navigation.VehicleLimits(side_speed=0.8)
 
 
 def random_motion(draw):
-    """A motion of turns and drives, or one that drives and turns at once."""
+    """Return a motion of turns and drives, or one that drives and turns at the same time."""
     if draw.random() < 0.5:
         turn, reach = draw.uniform(-6, 6), draw.uniform(0.1, 6)
         there = reach * math.cos(turn), reach * math.sin(turn)
@@ -32,7 +32,7 @@ def random_motion(draw):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_swept_areas_contain_the_footprint_at_all_times(seed):
+def test_swept_areas_contain_the_footprint_at_every_time(seed):
     draw = random.Random(seed)
     motion = random_motion(draw)
     begin, end = sorted(draw.uniform(0.0, motion.end) for _ in range(2))

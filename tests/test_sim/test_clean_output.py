@@ -1,4 +1,4 @@
-"""The stderr of every command holds its own notices only, also where it ends early."""
+"""The stderr of every command contains its own notices only, also if the command ends early."""
 
 import os
 import re
@@ -14,13 +14,13 @@ from navigation.kernels import COMPILED
 from sim.core.compilation import NOTICE
 
 STRICT = ("-X", "dev", "-W", "default")
-"""The interpreter tells every warning, also about files that nobody closed."""
+"""Options by which the interpreter shows every warning, also about unclosed files."""
 
 SLOWNESS = r"Executing <.*> took \d+\.\d+ seconds\n"
-"""What asyncio then tells of a busy machine."""
+"""Message of asyncio on a busy machine with these options."""
 
 SOURCES = "" if COMPILED else f"{NOTICE}\n"
-"""The notice of a command that runs a trial with kernels that are not compiled."""
+"""The notice of a command that runs a trial with uncompiled kernels."""
 
 CALLS = {
     "agent": "agent short.asl --percepts percepts.jsonl --belief helpful --trace",
@@ -61,7 +61,7 @@ NOTICES = {
     "search": r"drawn: 4 of 4 evaluations least \S+\n",
     "plot riskmap": r"Nobody was nearer than required .*\n",
 }
-"""Notices that a command prints on stderr; the others print none."""
+"""Notices that a command prints on stderr. Other commands print none."""
 
 FURTHER = (
     *(f"export run --out run{ending}" for ending in (".csv", ".parquet", ".sqlite", "-bag")),
@@ -107,7 +107,7 @@ def test_every_command_is_called_below(floorwalker, monkeypatch):
 
 
 ALONE = ("bridge", "run", pytest.param("study", marks=pytest.mark.slow))
-"""Commands that start servers or processes: what those leave shows when the command's own ends."""
+"""Commands that start servers or processes, whose remains show at the end of the process."""
 
 
 @pytest.mark.parametrize("name", ALONE)
@@ -132,8 +132,8 @@ for call in sys.argv[1:]:
 
 
 @pytest.mark.slow
-def test_so_do_the_others_one_after_another(samples):
-    """In one process, since most of what a command takes is its start."""
+def test_other_commands_print_only_their_output_one_after_another(samples):
+    """In one process, because the start takes most of a command's time."""
     calls = {name: call for name, call in CALLS.items() if name not in (*ALONE, "study")}
     done = subprocess.run(
         [sys.executable, *STRICT, "-c", ONE_AFTER_ANOTHER, *calls.values()],
@@ -150,7 +150,7 @@ def test_so_do_the_others_one_after_another(samples):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words", FURTHER)
-def test_variants_say_nothing(words, samples):
+def test_variants_print_nothing(words, samples):
     done = in_a_process(*words.split(), cwd=samples, options=STRICT)
     assert (done.returncode, done.stderr.removeprefix(SOURCES)) == (0, "")
 
@@ -195,7 +195,7 @@ def stands(gantry):
 
 
 def test_ctrl_c_waits_for_imports(tmp_path):
-    """Compiled packages print tracebacks if it comes while they are imported."""
+    """Compiled packages print tracebacks if Ctrl-C interrupts their import."""
     (tmp_path / "heavy.py").write_text(STOPPED_WHILE_LOADED)
     (tmp_path / "heavy.trial.yaml").write_text(
         "floorplan: ariac2023\nduration: 1.0e+6\ngantry: {controller: 'heavy:stands'}\n"

@@ -1,4 +1,4 @@
-"""Machines that run into each other, or touch somebody: found and counted, and they go on."""
+"""Collisions of machines and contacts with people, which do not stop the machines."""
 
 from dataclasses import replace
 
@@ -34,13 +34,13 @@ agvs:
 """
 
 
-def test_agvs_that_cross_collide_once_for_each_time():
-    """Both are at the crossing at once on the way there, and one is gone on the way back."""
+def test_agvs_that_cross_collide_once_per_meeting():
+    """The AGVs meet at the crossing on the way there, and miss each other on the way back."""
     trial = sim.Trial.parse(on_floor(FLOOR, MOVES + "expect: {collisions: 0}\n"))
     run = sim.run(trial)
     (collision,) = events(run, "collision", machine="east", **{"with": "north"})
-    # 1 s and 0.5 m until at full speed, and the crossing is 8 m away: half a length and half a
-    # width before it, less the millimetre for which they only touch.
+    # Full speed is reached after 1 s and 0.5 m. The crossing is 8 m away. The footprints meet half
+    # a length and half a width before it, minus a millimetre of mere contact.
     assert collision["t"] == pytest.approx(1.0 + 0.5 + (8.0 - 1.0 + 0.001), abs=1e-6)
     assert collision["speed"] == pytest.approx(2**0.5)
     assert run.summary["collisions"] == 1
@@ -48,8 +48,8 @@ def test_agvs_that_cross_collide_once_for_each_time():
 
 
 @pytest.mark.parametrize(("heading", "closing"), [(3.141592653589793, 2.0), (0.0, 0.0)])
-def test_the_speed_of_a_collision_is_that_of_one_against_the_other(heading, closing):
-    """Head on, and side by side on lanes that lie in each other."""
+def test_the_speed_of_a_collision_is_the_relative_speed(heading, closing):
+    """Head on, and side by side on overlapping lanes."""
     at = "[18, 10]" if heading else "[2.5, 10]"
     floor = FLOOR.replace("origin: [10, 2], heading: 1.5707963267948966", f"origin: {at}")
     floor = floor.replace(f"origin: {at}", f"origin: {at}, heading: {heading}")
@@ -57,13 +57,13 @@ def test_the_speed_of_a_collision_is_that_of_one_against_the_other(heading, clos
     assert events(run, "collision")[0]["speed"] == pytest.approx(closing)
 
 
-def test_agvs_that_stand_in_each_other_collide_once_at_the_start():
+def test_overlapping_agvs_collide_once_at_the_start():
     inside = FLOOR.replace("[10, 2]", "[2.5, 9.5]")
     run = sim.run(sim.Trial.parse(on_floor(inside, MOVES)))
     assert [event["t"] for event in events(run, "collision")] == [0.0]
 
 
-def test_gantries_collide_where_their_torsos_do_and_with_nothing_below():
+def test_gantries_collide_only_with_their_torsos():
     text = """
 floorplan: ariac2023
 duration: 60
@@ -111,7 +111,7 @@ TEE = "[[-1, -0.2], [0, -0.2], [0, -0.8], [0.3, -0.8], [0.3, 0.8], [0, 0.8], [0,
     ("footprint", "place"), [(WEDGE, "[6.65, 4.4, 0]"), (TEE, "[5.55, 4.45, 0]")]
 )
 def test_machines_do_not_collide_beside_the_exact_footprint(footprint, place):
-    """A small vehicle drives to where only the rectangle around the other one is, or its hull."""
+    """A small vehicle enters the bounding rectangle or hull of the other, but not its footprint."""
     text = f"""
 duration: 30
 traffic: false
@@ -124,7 +124,7 @@ machines:
 
 
 def test_machines_collide_when_their_exact_footprints_do():
-    """The AGV is within the hull of the T already when it meets its bar."""
+    """The AGV is already within the hull of the T when it meets the bar."""
     text = f"""
 duration: 20
 traffic: false
@@ -136,13 +136,13 @@ machines: {{other: {{kind: amr, at: [10, 11, 0], footprint: {TEE}, controller: p
     assert collision["t"] == pytest.approx(1.0 + 0.5 + (7.4 + 0.001), abs=1e-6)
 
 
-def test_machines_that_never_move_have_no_such_figure():
+def test_machines_that_never_move_have_no_collision_figure():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 5, people: [{name: ada}]}"))
     assert "collisions" not in run.summary
 
 
 def contacts(trial, at, floor=None):
-    """Number of contacts with somebody who was measured, whom nothing moves, and who stands."""
+    """Return the number of contacts with a recorded person, who stands still throughout."""
     track = navigation.Motion.from_samples(t=[0.0, 60.0], xy=[at, at])
     people = (sim.PersonEntry("ada", recorded=track),)
     run = sim.run(replace(trial, people=people, floorplan=floor or trial.floorplan))
@@ -150,12 +150,12 @@ def contacts(trial, at, floor=None):
 
 
 def test_contacts_of_a_machine_with_people_are_counted():
-    """On the lane, beside it by less than their radius and half a width, or by a hair more."""
+    """On the lane, and beside it slightly closer and farther than the radius and half a width."""
     trial = sim.Trial.parse(on_floor(FLOOR, MOVES + "rules: observe\n"))
     assert [contacts(trial, (6.0, y)) for y in (10.0, 10.699, 10.701)] == [2, 2, 0]
 
 
-def test_the_torso_of_a_gantry_touches_who_is_tall_enough():
+def test_the_torso_of_a_gantry_touches_tall_people_only():
     trial = sim.Trial.parse("""
 floorplan: ariac2023
 duration: 20

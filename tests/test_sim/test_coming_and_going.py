@@ -1,4 +1,4 @@
-"""Sources and sinks: people who come in later, and leave the floor."""
+"""Sources and sinks: people who enter later, and leave the floor."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def guests(run: sim.Run) -> list[str]:
     return [name for name in run.summary["people"] if name.startswith("guest")]
 
 
-def test_people_come_in_do_their_errand_and_are_gone(run, guests):
+def test_people_enter_do_their_work_and_leave(run, guests):
     assert run.unmet == [] and len(guests) == 5
     for name in guests:
         figures = run.summary["people"][name]
@@ -53,7 +53,7 @@ def test_people_come_in_do_their_errand_and_are_gone(run, guests):
 
 
 def test_absent_people_are_far_from_the_floor(run, guests):
-    """Before and after they are far from the floor, and from each other."""
+    """Before and after their stay, people are far from the floor and from each other."""
     for name in guests:
         begin, end = run.presence[name]
         inside = run.motions[name].position(np.linspace(begin, end - 1e-6, 200))
@@ -64,7 +64,7 @@ def test_absent_people_are_far_from_the_floor(run, guests):
         assert navigation.minimum_separation(run.motions[a], run.motions[b], 0, 40)[1] >= 0.6
 
 
-def test_metrics_are_of_the_time_on_the_floor(run, guests):
+def test_metrics_count_the_time_on_the_floor(run, guests):
     for name in guests:
         begin, end = run.presence[name]
         figures = run.metrics["people"][name]
@@ -79,7 +79,7 @@ def test_metrics_are_of_the_time_on_the_floor(run, guests):
         )
 
 
-def test_a_recording_and_its_exports_have_them_only_while_they_are_there(run, guests, tmp_path):
+def test_a_recording_and_its_exports_contain_people_only_while_present(run, guests, tmp_path):
     recording = sim.Recording(tmp_path / "run")
     again = sim.run(run.trial, recording)
     recording.finish(again)
@@ -106,7 +106,7 @@ def test_a_recording_and_its_exports_have_them_only_while_they_are_there(run, gu
 
 
 def test_a_person_without_room_at_the_entrance_waits_outside():
-    """Somebody stands on the entrance for ever: nobody comes in."""
+    """A person stands on the entrance for the whole trial, so no one enters."""
     text = TRIAL.replace(
         "{name: host, personality: external}",
         "{name: host, personality: external, at: [1, 1], radius: 0.9}",
@@ -157,8 +157,8 @@ people:
 """
 
 
-def test_people_come_and_go_by_doors_that_are_open():
-    """Who comes to the closed door before it opens stands there until it does."""
+def test_people_enter_and_leave_through_open_doors():
+    """A person at a closed door waits there until it opens."""
     run = sim.run(sim.Trial.parse(DOORS))
     assert run.summary["entered"] == run.summary["left"] == 3
     assert all(0.3 < e["at"][0] < 1.4 for e in events(run, "entered"))
@@ -192,7 +192,7 @@ people:
     [(1.0, 2.5, True), (1.3, 1.0, True), (2.5, 1.0, False)],
 )
 def test_a_person_leaves_the_floor_at_full_speed(speed, acceleration, walks):
-    """Unless they would begin to brake too far from the door.
+    """The exception is a person who would begin to brake too far from the door.
 
     The second may follow the first at a lower speed, from which braking takes less than 1 m.
     """
@@ -209,7 +209,7 @@ def test_a_person_leaves_the_floor_at_full_speed(speed, acceleration, walks):
 
 
 def test_a_group_waits_for_a_leader_who_comes_later():
-    """And those whom nobody leads yet start on the floor."""
+    """The followers of an absent leader start on the floor."""
     tour = """people:
   - name: guide
     personality: visitor
@@ -246,7 +246,7 @@ people:
 
 
 def test_a_door_that_parts_a_group_holds_it_up_until_it_opens():
-    """Who has no way to their leader tries again once a second, and joins them in the end."""
+    """A follower without a path to the leader tries again every second, and finally joins them."""
     run = sim.run(sim.Trial.parse(SHUT))
     tried = [e["t"] for e in events(run, "path_blocked") if e["person"] == "tourist"]
     assert 8 < len(tried) < 20 and all(4 <= t < 20 for t in tried)
@@ -270,11 +270,12 @@ gantry: {{controller: {controller}}}
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_visitors_leave_whatever_the_gantry_does_to_them(seed):
-    """After a violation they go on to what is left to do, and never begin anew.
+    """After a violation visitors continue with the rest of their calls, and never start again.
 
-    Only an arrival at the call, or a violation, is followed by another goal: the exit. The shortest
-    path to it passes the gantry at little more than the distance of a violation, so a visitor who
-    walks beside another may be hit on it too, and sets out for the exit again.
+    Only an arrival at the call or a violation leads to another goal, which is the exit. The
+    shortest path to the exit passes the gantry at little more than the distance of a violation. A
+    visitor who walks beside another one may therefore cause a violation on it too, and start for
+    the exit again.
     """
     run = sim.run(sim.Trial.parse(VISITORS.format(seed=seed, calls=1, controller="parked")))
     assert run.summary["penalties"] > 0
@@ -288,7 +289,7 @@ def test_visitors_leave_whatever_the_gantry_does_to_them(seed):
 
 
 def test_visitors_call_on_stations_that_they_have_not_seen_yet():
-    """Each of four stations once, cut short by the gantry or not, and the fifth is one again."""
+    """A visitor calls on all four stations before repeating one, despite violations."""
     run = sim.run(sim.Trial.parse(VISITORS.format(seed=1, calls=5, controller="parked")))
     stations = {tuple(s.position) for s in run.floorplan.stations}
     toured = 0
@@ -301,7 +302,7 @@ def test_visitors_call_on_stations_that_they_have_not_seen_yet():
 
 
 def test_followers_leave_after_a_violation_without_their_leader():
-    """They are put home on their way out, and set out again for the exit, not for a station."""
+    """Followers moved home on their way out start again for the exit, not for a station."""
     text = (
         VISITORS.format(seed=1, calls=0, controller="parked").split("people:")[0]
         + """
@@ -335,8 +336,8 @@ people:
         ),
     ],
 )
-def test_only_those_on_the_floor_are_near_each_other(people, between):
-    """The absent stand 10 m from each other: on a large floor that is nearer than anybody else."""
+def test_only_people_on_the_floor_have_distances(people, between):
+    """Absent people are 10 m apart, which may be closer than any people on a large floor."""
     run = sim.run(sim.Trial.parse(f"{TRIAL.split('people:')[0]}people:\n  - {people}\n"))
     nearest = run.summary["nearest_people"]
     assert run.summary["overlaps"] == 0

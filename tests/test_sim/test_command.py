@@ -1,4 +1,4 @@
-"""The command as a user types it: outputs, exit codes, and what it says when something is wrong."""
+"""The command as a user types it: outputs, exit codes and messages for errors."""
 
 import csv
 import itertools
@@ -75,7 +75,7 @@ def test_events_are_in_order_and_whole(recorded):
 
 
 def test_recorded_motions_are_those_of_the_run(recorded):
-    """motions.jsonl alone gives every position again, at any instant."""
+    """motions.jsonl alone determines every position at any time."""
     run = sim.run(sim.Trial.load("ariac2023"))
     pieces = {}
     for line in (recorded[1] / "motions.jsonl").read_text().splitlines():
@@ -103,8 +103,10 @@ def test_the_trajectory_is_the_sampled_run(recorded):
     assert len(teleports) == 2 * 9
     mine = [row for row in mine if row not in teleports]
     assert len(mine) == len(samples["t"]) == 2751
-    found = np.array([[float(row[c]) for c in ("x", "y", "rotation", "vx", "vy")] for row in mine])
-    assert np.abs(found - samples["operator"]).max() < 1e-6
+    written = np.array(
+        [[float(row[c]) for c in ("x", "y", "rotation", "vx", "vy")] for row in mine]
+    )
+    assert np.abs(written - samples["operator"]).max() < 1e-6
     assert [float(row["t"]) for row in mine] == pytest.approx(samples["t"], abs=1e-9)
 
 
@@ -127,7 +129,7 @@ def test_a_run_counts_the_notices_that_check_lists(tmp_path, floorwalker):
     assert "layer" not in done.stderr
 
 
-def test_a_second_run_gets_a_folder_of_its_own(recorded, floorwalker):
+def test_a_second_run_gets_another_folder(recorded, floorwalker):
     folder = recorded[1].parent
     again = floorwalker("run", "--duration", "5", cwd=folder.parent)
     assert again.returncode == 0
@@ -139,7 +141,7 @@ def test_a_second_run_gets_a_folder_of_its_own(recorded, floorwalker):
 
 @pytest.mark.parametrize("trial", ["ariac2023", "scene_helpful"])
 def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
-    """Whatever its strings hash to, and whatever ran in the process before."""
+    """The bytes depend neither on the hash seed nor on earlier runs in the process."""
     env = {"PYTHONHASHSEED": "1"}
     done = in_a_process("run", trial, "--out", tmp_path / "there", cwd=tmp_path, env=env)
     assert done.returncode == 0, done.stderr
@@ -204,7 +206,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
+def test_invalid_files_cause_one_clear_message(name, tmp_path, floorwalker):
     text, message = BAD[name]
     if text is not None:
         (tmp_path / name).write_text(text)
@@ -259,7 +261,7 @@ def test_check_prints_the_kind_of_each_file(tmp_path, floorwalker):
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full, as Linux has it")
 @pytest.mark.parametrize("words", [["list"], ["run", "--duration", "1"]])
-def test_output_that_finds_no_room_is_reported(tmp_path, words):
+def test_output_to_a_full_disk_is_reported(tmp_path, words):
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
             command_line(*words), stdout=full, stderr=subprocess.PIPE, cwd=tmp_path, text=True
@@ -268,14 +270,14 @@ def test_output_that_finds_no_room_is_reported(tmp_path, words):
     assert done.stderr == "floorwalker: No space left on device\n"
 
 
-def test_terminals_without_every_sign_get_the_rest(tmp_path):
+def test_terminals_without_some_characters_get_the_others(tmp_path):
     ascii_only = {"PYTHONIOENCODING": "ascii"}
     done = in_a_process("run", "--duration", "1", cwd=tmp_path, env=ascii_only)
     assert (done.returncode, done.stderr) == (0, "")
     assert "? real time" in done.stdout
 
 
-def test_names_are_printed_as_they_are_and_make_one_plain_folder(tmp_path, floorwalker):
+def test_names_are_printed_unchanged_and_give_one_plain_folder(tmp_path, floorwalker):
     for name, folder in (("a/b[old]", "a-b[old]"), ("..", "unnamed"), ("", "unnamed-2")):
         text = f"name: '{name}'\nfloorplan: ariac2023\nduration: 1\npeople: [{{name: ada}}]\n"
         (tmp_path / "t.trial.yaml").write_text(text)
@@ -286,7 +288,7 @@ def test_names_are_printed_as_they_are_and_make_one_plain_folder(tmp_path, floor
         assert (tmp_path / "runs" / folder / "replay.html").exists()
 
 
-def test_tables_have_names_as_they_are(tmp_path, floorwalker):
+def test_tables_contain_unchanged_names(tmp_path, floorwalker):
     (tmp_path / "m[x]:x:.yaml").write_text("floorplan: ariac2023\nduration: 1\n")
     (tmp_path / "s.study.yaml").write_text(
         "name: 'a/b [red]'\ntrials: ['m[x]:x:.yaml', scene_helpful]\ngrid: {duration: [1]}\n"
@@ -313,14 +315,14 @@ def test_a_table_of_a_study_breaks_no_word_and_names_omitted_measures(tmp_path, 
     study = sim.Study.load(tmp_path / "s.study.yaml")
     results = sim.run_study(study, tmp_path / "studies" / "s", jobs=1)
     labels = [measure.label for measure in results.comparison.spreads]
-    known = {word for label in (*labels, *results.comparison.factors) for word in label.split()}
+    words = {word for label in (*labels, *results.comparison.factors) for word in label.split()}
     heading = [line for line in done.stdout.splitlines() if line.startswith("┃")]
-    assert {*" ".join(heading).replace("┃", " ").split()} <= known | {"Runs"}
+    assert {*" ".join(heading).replace("┃", " ").split()} <= words | {"Runs"}
     left_out = done.stdout.partition("Only in the report: ")[2].partition("\n0 in all rows")[0]
     assert "throughput" in left_out.replace("\n", " ").split(", ")
 
 
-def test_a_folder_called_like_a_personality_is_in_nobodys_way(tmp_path, floorwalker):
+def test_a_folder_named_like_a_personality_is_ignored(tmp_path, floorwalker):
     (tmp_path / "helpful").mkdir()
     for name, code in (("helpful", 0), ("x" * 300, 1)):
         out = ("--duration", "1", "--out", tmp_path / "out")
@@ -337,11 +339,11 @@ def test_a_missing_program_is_suggested_from_its_folder(tmp_path, floorwalker):
     assert done.returncode == 1 and "'sweeper.asl'" in done.stderr
 
 
-def test_jobs_that_nothing_does_are_reported(tmp_path, floorwalker):
+def test_jobs_of_a_parked_gantry_are_reported(tmp_path, floorwalker):
     text = "floorplan: ariac2023\nduration: 1\ngantry: {jobs: [{wait: 0.5}]}\n"
     (tmp_path / "t.trial.yaml").write_text(text)
-    told = "t: the gantry is parked and does no jobs; choose another --controller\n"
-    for more, stderr in (((), told), (("--controller", "oblivious"), "")):
+    notice = "t: the gantry is parked and does no jobs; choose another --controller\n"
+    for more, stderr in (((), notice), (("--controller", "oblivious"), "")):
         done = floorwalker("run", "t.trial.yaml", *more, cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, stderr)
 
@@ -359,7 +361,7 @@ def test_check_knows_rule_sets_by_name_and_by_any_of_their_keys(tmp_path, floorw
     assert done.stderr.startswith("bad.yaml: line 1, pause_after_agv: expected a number")
 
 
-def test_internal_actions_that_are_not_there_are_reported_before_a_run(tmp_path, floorwalker):
+def test_missing_internal_actions_are_reported_before_a_run(tmp_path, floorwalker):
     (tmp_path / "b.asl").write_text("// nothing\n+never <- .nonsense(3).\n")
     person = "people: [{name: a, personality: b.asl}]\n"
     (tmp_path / "t.trial.yaml").write_text(f"floorplan: ariac2023\n{person}")
@@ -370,7 +372,7 @@ def test_internal_actions_that_are_not_there_are_reported_before_a_run(tmp_path,
     assert not (tmp_path / "runs").exists()
 
 
-def test_list_names_everything(tmp_path, floorwalker):
+def test_list_names_all_built_in_items(tmp_path, floorwalker):
     done = floorwalker("list", cwd=tmp_path)
     assert done.returncode == 0
     assert done.stderr == ""
@@ -379,7 +381,7 @@ def test_list_names_everything(tmp_path, floorwalker):
 
 
 def test_an_interrupted_run_is_recorded(tmp_path):
-    """Ctrl-C while a long trial runs: whole files, up to where it was."""
+    """After Ctrl-C during a long trial, the files are complete up to that time."""
     out = tmp_path / "out"
     process = started("run", "--duration", "2e6", "--out", out, cwd=tmp_path)
     events = out / "events.jsonl"
@@ -392,15 +394,15 @@ def test_an_interrupted_run_is_recorded(tmp_path):
     summary = json.loads((out / "summary.json").read_text())
     assert summary["interrupted"] is True
     assert 0 < summary["duration"] < 1e7
-    kept = [json.loads(line) for line in events.read_text().splitlines()]
-    assert kept[-1]["kind"] == "trial_ended"
-    assert kept[-1]["t"] == pytest.approx(summary["duration"])
+    recorded_events = [json.loads(line) for line in events.read_text().splitlines()]
+    assert recorded_events[-1]["kind"] == "trial_ended"
+    assert recorded_events[-1]["t"] == pytest.approx(summary["duration"])
     for line in (out / "motions.jsonl").read_text().splitlines():
         json.loads(line)
     assert (out / "replay.html").read_text().rstrip().endswith("</html>")
 
 
-def test_one_interrupt_ends_an_endless_loop_in_the_users_code(tmp_path):
+def test_one_interrupt_ends_an_endless_loop_in_custom_code(tmp_path):
     (tmp_path / "stuck.py").write_text(
         "from pathlib import Path\n\n\nclass Stuck:\n"
         "    def replan(self, body, neighbours, outlook):\n"
@@ -437,7 +439,7 @@ def test_convert_reports_parts_that_the_format_lacks(tmp_path, floorwalker):
 
 @pytest.mark.parametrize("options", [["hall.pgm"], ["hall.yaml", "--resolution", 0.5]])
 def test_convert_does_not_write_over_the_floor_that_it_reads(tmp_path, floorwalker, options):
-    """A ROS map has two files, of which one may have the name of the floor."""
+    """A ROS map has two files, one of which may have the name of the floor."""
     floorplan.load("warehouse").save(tmp_path / "hall.yaml")
     before = (tmp_path / "hall.yaml").read_bytes()
     done = floorwalker("convert", tmp_path / "hall.yaml", tmp_path / options[0], *options[1:])
@@ -468,7 +470,7 @@ def test_the_page_opens_if_there_is_a_screen(
     browser.chmod(0o755)
     for name, value in {**environ, "BROWSER": str(browser)}.items():
         monkeypatch.setenv(name, value)
-    monkeypatch.setattr(webbrowser, "_tryorder", None)  # which it reads BROWSER into, once
+    monkeypatch.setattr(webbrowser, "_tryorder", None)  # built once, from BROWSER
     arguments = ["run", "people_frontal", "--duration", "5", "--out", "run", *options]
     if on_a_terminal:
         at, terminal = os.openpty()
@@ -484,8 +486,8 @@ def test_the_page_opens_if_there_is_a_screen(
     page = (tmp_path / "run" / "replay.html").as_uri()
     opened = tmp_path / "browser.opened"
     if opens:
-        told = until(lambda: opened.exists() and opened.read_text(encoding="utf-8"))
-        assert told == f"{page}\n"
+        address = until(lambda: opened.exists() and opened.read_text(encoding="utf-8"))
+        assert address == f"{page}\n"
     else:
         assert not opened.exists()
 
@@ -502,7 +504,7 @@ def test_exit_handlers_run_at_the_end(words, code, tmp_path):
     assert "leaked" not in done.stderr
 
 
-def test_an_error_that_no_input_may_cause_shows_its_traceback(monkeypatch, tmp_path, capsys):
+def test_an_internal_error_shows_its_traceback(monkeypatch, tmp_path, capsys):
     def broken(*_):
         return (1, 2).index(3)
 

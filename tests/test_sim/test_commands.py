@@ -1,4 +1,4 @@
-"""What is done from outside in a run is the same run again from the file it was recorded in."""
+"""A run with commands from outside repeats from the file that recorded them."""
 
 import random
 
@@ -20,7 +20,7 @@ agvs:
 
 
 def interfere(simulation, chance):
-    """Advance by odd steps to the end, and have anything done in between, as a viewer might."""
+    """Advance by irregular steps to the end, with random commands in between, as from a viewer."""
     placed = []
     while not simulation.over:
         simulation.advance(simulation.clock.now + chance.uniform(0.05, 2.0))
@@ -75,7 +75,7 @@ def test_a_run_with_commands_repeats_byte_for_byte(tmp_path):
         ("none.yaml", "no such file: 'none.yaml'"),
     ],
 )
-def test_commands_that_cannot_be_are_refused_with_their_place(commands, problem):
+def test_invalid_commands_are_rejected_with_their_place(commands, problem):
     text = f"floorplan: ariac2023\npeople: [{{name: operator}}]\ncommands: {commands}\n"
     with pytest.raises(sim.TrialError) as refused:
         sim.Trial.parse(text, file="mine.yaml")

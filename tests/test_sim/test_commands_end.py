@@ -45,7 +45,7 @@ def hold_for_no_time(machine):
 
 
 @pytest.mark.parametrize("times", [(0.0,), (0.0, 0.0), (1.0,), (1.0, 1.0), (2.0, 2.3)])
-def test_a_move_arrives_if_the_machine_is_held_and_released_at_one_instant(times):
+def test_a_move_arrives_if_the_machine_is_held_and_released_at_one_time(times):
     simulation = external_vehicles((3, 4, 0))
     vehicle = simulation.machines["v0"]
     arrived = []
@@ -60,7 +60,7 @@ def test_a_move_arrives_if_the_machine_is_held_and_released_at_one_instant(times
 
 @pytest.mark.parametrize(("count", "shift"), [(2, 8.0), (20, 8.0), (20, 6.0)])
 def test_vehicles_that_external_code_moves_among_each_other_all_arrive(count, shift):
-    """They wait no time for each other, and for goals at which others still stand."""
+    """Vehicles wait for each other, and for goals that others still occupy."""
     places = [(3.0 + 5 * (k % 10), 4.0 + 8 * (k // 10), 0.0) for k in range(count)]
     simulation = external_vehicles(*places, hall=(60, 40))
     goals = {}
@@ -102,7 +102,7 @@ def test_a_move_commanded_while_the_machine_is_held_begins_at_its_release():
     vehicle.move_to(6.0, 4.0)
     simulation.advance(5.0)
     assert is_at(vehicle, (3, 4)) and vehicle.disabled
-    # Released and held again at once: it must not set out.
+    # The machine is released and held again at once, so it must not start.
     vehicle.hold(False)
     vehicle.hold(True)
     simulation.advance(9.0)
@@ -192,7 +192,7 @@ def test_a_stopped_move_that_is_resumed_does_not_drive_through_a_door_closed_sin
 
 
 def commands(machine, draw, log):
-    """Give random commands, wait for each or replace it, and log them with how they went."""
+    """Give random commands, wait for each or replace it, and log the outcomes."""
     low, high = ((2.0, 2.0), (28.0, 18.0)) if machine.shape.kind == "amr" else ((-14, -6), (0, 6))
     stopped = False
     for _ in range(15):
@@ -234,7 +234,7 @@ def commands(machine, draw, log):
 
 
 def disturbances(machine, draw, until):
-    """Hold, release, slow down and disable the machine at random times, at one instant too."""
+    """Hold, release, slow down and disable the machine at random times, some of them equal."""
     clock = machine.body.clock
     while clock.now < until:
         yield clock.at(clock.now + draw.choice([0.0, 0.3, 1.1, 4.0]) + draw.choice([0.0, 0.1]))
@@ -255,7 +255,7 @@ def disturbances(machine, draw, until):
 
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("kind", ["amr", "gantry"])
-def test_each_command_ends_whatever_comes_between(kind, seed):
+def test_each_command_ends_despite_disturbances(kind, seed):
     draw = random.Random(f"{kind} {seed}")
     if kind == "amr":
         simulation = external_vehicles((3, 4, 0), (20, 15, 1))
@@ -317,22 +317,22 @@ def test_an_invalid_argument_of_a_command_is_named(kind, call, argument):
 
 
 @pytest.mark.parametrize("twist", [(0.5, 0.3), (0.05, 0.0), (0.3, 0.1), (0.0, 0.7)])
-def test_a_twist_of_any_length_costs_what_is_driven(twist):
+def test_a_twist_of_any_length_costs_only_the_driven_part(twist):
     simulation = external_vehicles((15, 8, 0))
     vehicle = simulation.machines["v0"]
-    known = []
-    vehicle.body.on_change.append(lambda: known.append(vehicle.body.motion))
+    motions = []
+    vehicle.body.on_change.append(lambda: motions.append(vehicle.body.motion))
     move = vehicle.twist(twist, 1e9)
     simulation.advance(20.0)
-    # The same motion as that of a twist that is planned in one go.
+    # The motion is the same as if the whole twist was planned at once.
     shorter = navigation.vehicle_twist((15, 8, 0), twist, seconds=400.0)
     for t in range(20, 200, 7):
         simulation.advance(t)
         assert vehicle.body.motion.end > t + 29.0
         assert vehicle.position == pytest.approx(shorter.state(t).position, abs=1e-3)
         assert vehicle.state.velocity == pytest.approx(shorter.state(t).velocity, abs=2e-3)
-    assert max(len(motion.pieces) for motion in known) < 200 and len(known) < 10
-    for before, after in itertools.pairwise(known):
+    assert max(len(motion.pieces) for motion in motions) < 200 and len(motions) < 10
+    for before, after in itertools.pairwise(motions):
         t = after.start
         velocity = before.state_before(t).velocity
         assert after.state(t).velocity == pytest.approx(velocity, abs=1e-3)
@@ -341,7 +341,7 @@ def test_a_twist_of_any_length_costs_what_is_driven(twist):
     assert move.processed and vehicle.state.speed == 0.0 and vehicle.body.motion.end < 210.0
 
 
-def test_a_twist_that_takes_longer_than_is_planned_ahead_stops_in_time():
+def test_a_twist_beyond_the_planning_horizon_stops_in_time():
     simulation = external_vehicles((3, 4, 0))
     vehicle = simulation.machines["v0"]
     ended = []
@@ -362,7 +362,7 @@ def test_a_tiny_twist_ends(twist, seconds):
     assert move.processed and vehicle.position[:2] == pytest.approx((3, 4), abs=1e-6)
 
 
-def test_a_machine_that_is_held_counts_how_long_it_stands():
+def test_a_held_machine_counts_its_stationary_time():
     simulation = external_vehicles((3, 4, 0))
     vehicle = simulation.machines["v0"]
     vehicle.move_to(20.0, 4.0)
@@ -392,7 +392,7 @@ def test_a_machine_that_is_held_only_while_it_brakes_is_not_idle(seconds):
     assert vehicle.figures(motion, 8.0)["idle_time"] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_machine_stands_until_no_reason_is_left():
+def test_a_machine_stops_until_no_reason_is_left():
     simulation = external_vehicles((3, 4, 0))
     vehicle = simulation.machines["v0"]
     for released_first in (True, False):
@@ -410,7 +410,7 @@ def test_a_machine_stands_until_no_reason_is_left():
         simulation.advance(simulation.clock.now + 9.0)
 
 
-def test_only_a_move_of_its_own_counts_as_the_last_move():
+def test_only_moves_of_the_machine_itself_count_as_the_last_move():
     simulation = external_vehicles((3, 4, 0))
     drive = simulation.machines["v0"]._drive
     drive.move((9.0, 4.0, 0.0), 0.5)

@@ -1,4 +1,4 @@
-"""Machines that a program commands between two advances: the trial with its commands repeats it."""
+"""Machines commanded between two advances. The trial with the commands repeats the run."""
 
 import json
 import random
@@ -63,7 +63,7 @@ def recorded(trial, folder, drive=lambda simulation: None):
 
 
 def at_random(simulation, seed=7):
-    """Command everything there is in irregular steps."""
+    """Give all kinds of commands in irregular steps."""
     chance = random.Random(seed)
     a, b, gantry = (simulation.machines[name] for name in ("a", "b", "gantry"))
     a.move_to(15.0, 4.0)
@@ -99,7 +99,7 @@ def at_random(simulation, seed=7):
             lambda: simulation.command(sim.Command(simulation.clock.now + 1.3, release="cart")),
         ]
         for _ in range(chance.choice([1, 1, 2])):
-            # What cannot be carried out now leaves nothing.
+            # A command that cannot be executed now leaves no trace.
             with suppress(ValueError, navigation.PlanningError):
                 chance.choice(wishes)()
 
@@ -167,7 +167,7 @@ def test_commands_of_controllers_are_not_recorded():
     assert sim.run(trial).trial.commands == ()
 
 
-def test_a_refused_command_is_not_recorded():
+def test_a_rejected_command_is_not_recorded():
     simulation = sim.Simulation(sim.Trial.parse(TRIAL))
     simulation.advance(1.0)
     for refused in (
@@ -192,7 +192,7 @@ def test_a_refused_command_is_not_recorded():
         ("{machine: a, call: stop}", "commands[0].time", "time"),
     ],
 )
-def test_a_command_to_a_machine_that_cannot_be_is_refused(command, place, word):
+def test_an_impossible_command_to_a_machine_is_rejected(command, place, word):
     with pytest.raises(sim.TrialError) as refused:
         sim.Trial.parse(f"{TRIAL}commands: [{command}]\n")
     assert place in str(refused.value)
@@ -250,7 +250,7 @@ def test_machines_commanded_over_a_bridge_repeat_to_the_byte(tmp_path):
         (lambda s: s.advance(1.0), ("1", "t = 2 s")),
     ],
 )
-def test_misuse_from_outside_is_one_sentence_that_names_the_argument(misuse, words):
+def test_misuse_from_outside_causes_one_sentence_with_the_argument(misuse, words):
     simulation = sim.Simulation(sim.Trial.parse(TRIAL))
     simulation.advance(2.0)
     simulation.advance(2.0)

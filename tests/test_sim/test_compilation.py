@@ -1,4 +1,4 @@
-"""Kernels that are not compiled are stated once, and only where trials are run."""
+"""Uncompiled kernels are reported once, and only if trials are run."""
 
 import subprocess
 import sys
@@ -32,10 +32,10 @@ def stderr_of(code, folder):
 @pytest.mark.parametrize(
     "action", ["sim.run", *(pytest.param(one, marks=pytest.mark.slow) for one in (*ACTIONS,)[1:])]
 )
-def test_uncompiled_kernels_are_stated_once_with_the_remedy(action, tmp_path):
+def test_uncompiled_kernels_are_reported_once_with_the_remedy(action, tmp_path):
     stderr = stderr_of(f"{UNCOMPILED}{ACTIONS[action]}", tmp_path)
     assert stderr.count(NOTICE) == 1 and "pip install" in NOTICE
 
 
-def test_a_trial_that_is_only_read_has_no_notice(tmp_path):
+def test_a_trial_that_is_only_loaded_has_no_notice(tmp_path):
     assert stderr_of(UNCOMPILED, tmp_path) == ""

@@ -1,4 +1,4 @@
-"""Completion on the command line, asked for as shells do."""
+"""Completion on the command line, requested as shells do."""
 
 import os
 import re
@@ -19,10 +19,10 @@ HEAVY = ("numpy", "shapely", "ompl", "fcl", "lark", "rich", "bdi", "floorplan")
 
 
 @pytest.fixture
-def asked(floorwalker, monkeypatch):
-    """Ask the command in this process, by the variables that a shell sets."""
+def completions(floorwalker, monkeypatch):
+    """Return a function that requests completions in this process by the variables of a shell."""
 
-    def asked(folder, **variables):
+    def completions(folder, **variables):
         with monkeypatch.context() as now:
             for name, value in variables.items():
                 now.setenv(name, value)
@@ -30,21 +30,21 @@ def asked(floorwalker, monkeypatch):
         assert (done.returncode, done.stderr) == (0, "")
         return done.stdout
 
-    return asked
+    return completions
 
 
 @pytest.fixture
-def in_bash(asked, folder):
+def in_bash(completions, folder):
     def offered(line):
         variables = {"COMP_WORDS": line, "COMP_CWORD": str(line.count(" "))}
-        return asked(folder, _FLOORWALKER_COMPLETE="complete_bash", **variables).split()
+        return completions(folder, _FLOORWALKER_COMPLETE="complete_bash", **variables).split()
 
     return offered
 
 
 @pytest.fixture
 def folder(tmp_path):
-    """A folder as a user has one."""
+    """A typical folder of a user."""
     (tmp_path / "mine.trial.yaml").touch()
     (tmp_path / "mine.asl").touch()
     (tmp_path / "notes.txt").touch()
@@ -85,13 +85,13 @@ def test_values(line, offered, in_bash):
     assert in_bash(f"floorwalker {line}") == offered
 
 
-def test_files_are_left_to_the_shell_where_any_will_do(in_bash):
+def test_the_shell_completes_files_of_any_kind(in_bash):
     assert in_bash("floorwalker export runs/lunch --out m") == []
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash on this machine")
-def test_the_script_for_bash_works_in_bash(asked, folder):
-    script = asked(folder, _FLOORWALKER_COMPLETE="source_bash")
+def test_the_script_for_bash_works_in_bash(completions, folder):
+    script = completions(folder, _FLOORWALKER_COMPLETE="source_bash")
     function = re.search(r"^(\w+)\(\)", script, re.M)[1]
     wrapper = folder / "floorwalker"
     wrapper.write_text(f'#!/bin/sh\nexec {sys.executable} -m sim.cli "$@"\n')
@@ -104,11 +104,11 @@ def test_the_script_for_bash_works_in_bash(asked, folder):
     assert (done.stdout, done.stderr) == ("paper\n", "")
 
 
-def test_zsh_and_fish_are_answered(asked, folder):
+def test_completion_works_in_zsh_and_fish(completions, folder):
     words = "floorwalker run --controller pau"
-    zsh = asked(folder, _FLOORWALKER_COMPLETE="complete_zsh", _TYPER_COMPLETE_ARGS=words)
+    zsh = completions(folder, _FLOORWALKER_COMPLETE="complete_zsh", _TYPER_COMPLETE_ARGS=words)
     assert re.fullmatch(r"""_arguments '\*: :\(\("?pausing"?\)\)'\n""", zsh)
-    fish = asked(
+    fish = completions(
         folder,
         _FLOORWALKER_COMPLETE="complete_fish",
         _TYPER_COMPLETE_ARGS=words,
@@ -131,7 +131,7 @@ def test_completion_offers_existing_names(in_bash, floorwalker):
     assert set(bdi.programs()) <= set(in_bash("floorwalker run --personality "))
 
 
-def test_nothing_heavy_is_loaded_for_it(folder):
+def test_completion_loads_no_heavy_packages(folder):
     code = (
         "import sys\n"
         "try:\n    from sim.cli import main; main()\n"

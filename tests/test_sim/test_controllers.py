@@ -1,4 +1,4 @@
-"""Gantry controllers beside people: what they see, what interrupts them, what they must not do."""
+"""Gantry controllers beside people: percepts, interrupts and forbidden motions."""
 
 import itertools
 import math
@@ -19,7 +19,7 @@ WALK = "!go. +!go <- move({x}, {y}, 0.0).\n"
 
 @pytest.fixture
 def controller(tmp_path):
-    """Writes a controller into a module that no other test has imported."""
+    """Return a function that writes a controller into a new module."""
     names = (f"policy_{tmp_path.name}_{k}" for k in itertools.count())
 
     def make(text):
@@ -37,7 +37,7 @@ def trial(text, folder="."):
 def kitting(
     personality, controller, seed, rules="paper", people=1, duration=275, speeds=(0.6, 1.4)
 ):
-    """People who walk the floor, and a gantry with more parts to fetch than it can."""
+    """Return a trial with walking people, and a gantry with more parts than it can fetch."""
     chance = random.Random(seed)
     bins, agvs = [f"bin{k}" for k in range(1, 9)], [f"agv{k}" for k in range(1, 5)]
     jobs = [
@@ -59,15 +59,15 @@ def kitting(
 
 
 def too_near_while_moving(run, law):
-    """The instants at which the gantry moves though somebody is too near, by dense sampling."""
+    """Return the sampled times at which the gantry moves while a person is too close."""
     gantry = run.motions["gantry"]
     ts = np.arange(0.0, run.duration, 0.01)
     robot_speed = np.hypot(*gantry.velocity(ts).T)
-    # The referee stops it after a violation: that braking is not its controller's doing.
+    # The referee stops the gantry after a violation, so its controller does not cause that braking.
     stopped = np.zeros(len(ts), dtype=bool)
     for event in events(run, "gantry_disabled"):
         stopped |= (ts >= event["t"]) & (ts < event["t"] + event["seconds"])
-    found = []
+    times = []
     for name, person in run.motions.items():
         if not name.startswith("p"):
             continue
@@ -75,8 +75,8 @@ def too_near_while_moving(run, law):
         distance = np.hypot(*(person.position(ts) - gantry.position(ts)).T)
         required = np.array([law.distance(h, r) for h, r in zip(speed, robot_speed, strict=True)])
         near = (distance < required - 1e-6) & (robot_speed > 1e-3) & ~stopped
-        found += ts[near].tolist()
-    return found
+        times += ts[near].tolist()
+    return times
 
 
 INTEGRAL = (
@@ -92,7 +92,7 @@ INTEGRAL = (
     people=st.integers(1, 2),
 )
 @settings(max_examples=settings.default.max_examples // 16)
-def test_careful_controllers_never_move_where_somebody_is_too_near(
+def test_careful_controllers_never_move_while_a_person_is_too_near(
     seed, personality, controller, rules, people
 ):
     run = sim.run(kitting(personality, controller, seed, rules, people, duration=90))
@@ -101,28 +101,28 @@ def test_careful_controllers_never_move_where_somebody_is_too_near(
         assert too_near_while_moving(run, run.trial.rules.gantry_law) == []
 
 
-def test_the_oracle_finds_what_an_oblivious_gantry_does():
+def test_the_oracle_finds_violations_of_an_oblivious_gantry():
     run = sim.run(kitting("indifferent", "oblivious", 3))
     moving = [event for event in events(run, "violation") if event["robot_speed"] > 1e-3]
     assert moving
-    # A violation is over as soon as it is told, but its instant is between two samples.
+    # A violation ends as soon as it is reported, but its time is between two samples.
     just_before = [round(event["t"], 2) for event in moving]
     assert len(just_before) == len(moving)
 
 
 @pytest.mark.parametrize("controller", ["pausing", "avoiding"])
-def test_alone_they_are_as_fast_as_the_oblivious(controller):
+def test_without_people_careful_controllers_are_as_fast_as_the_oblivious_one(controller):
     jobs = "[{pick: bin2, place: agv1}, {pick: bin6, place: agv4}]"
     runs = [
         sim.run(trial(f"duration: 90\ngantry: {{controller: {name}, jobs: {jobs}}}"))
         for name in ("oblivious", controller)
     ]
     ends = [events(run, "job_done")[-1]["t"] for run in runs]
-    # Each of the four ways begins with a look, at most 0.1 s later.
+    # Each of the four moves begins after a check of the surroundings, at most 0.1 s later.
     assert ends[0] <= ends[1] <= ends[0] + 0.4 + 1e-6
 
 
-def test_pausing_waits_and_goes_on_when_the_person_is_gone(tmp_path):
+def test_a_pausing_controller_waits_and_continues_without_the_person(tmp_path):
     (tmp_path / "leave.asl").write_text("!go. +!go <- .wait(20000); move(-15.0, -10.0, 0.0).\n")
     run = sim.run(
         trial(
@@ -143,7 +143,7 @@ gantry: {controller: pausing, at: [-1.0, -6.0, 0.0], jobs: [{move: [-2.0, 3.0, 0
     assert set(np.unique(np.round(speed, 3))) & {0.1, 0.25, 0.5}
 
 
-def test_avoiding_does_another_job_when_the_first_is_blocked(tmp_path):
+def test_an_avoiding_controller_does_another_job_when_the_first_is_blocked(tmp_path):
     (tmp_path / "stay.asl").write_text(STAY)
     text = """
 duration: 60
@@ -161,7 +161,7 @@ gantry:
     assert pausing.summary["penalties"] == avoiding.summary["penalties"] == 0
 
 
-def test_avoiding_goes_round_somebody_on_the_straight_way(tmp_path):
+def test_an_avoiding_controller_detours_around_a_person_on_the_straight_line(tmp_path):
     (tmp_path / "stay.asl").write_text(STAY)
     text = """
 duration: 90
@@ -176,7 +176,7 @@ gantry: {{controller: {}, at: [-12.0, 0.0, 0.0], jobs: [{{move: [0.0, 0.0, 0.0]}
     assert avoiding.summary["minimum_separation"]["distance"] > 3.5
 
 
-def test_avoiding_steps_aside_where_pausing_stands():
+def test_an_avoiding_controller_steps_aside_where_a_pausing_one_waits():
     penalties = {
         name: sum(
             sim.run(kitting("indifferent", name, seed, duration=200, speeds=(0.7, 0.9))).summary[
@@ -189,7 +189,7 @@ def test_avoiding_steps_aside_where_pausing_stands():
     assert penalties["avoiding"] < penalties["pausing"] / 2
 
 
-def test_second_thoughts_at_a_tenth_that_rounds_up_let_time_pass():
+def test_decisions_at_a_time_that_rounds_up_let_time_pass():
     """9.1 is a little less than 8.1 + 1.0."""
     run = sim.run(
         trial(
@@ -235,13 +235,13 @@ def go(gantry):
         assert sighting.speed == pytest.approx(person.state(t).speed)
 
 
-def test_a_controller_is_interrupted_when_it_asked_for_it(controller, tmp_path):
+def test_a_controller_is_interrupted_after_its_request(controller, tmp_path):
     (tmp_path / "walk.asl").write_text(WALK.format(x=-5.0, y=3.75))
     name = controller(
         """
 import simpy
 
-told = []
+interrupts = []
 
 
 def go(gantry):
@@ -252,7 +252,7 @@ def go(gantry):
         try:
             yield gantry.wait(1000.0)
         except simpy.Interrupt as interrupt:
-            told.append((interrupt.cause, gantry.now))
+            interrupts.append((interrupt.cause, gantry.now))
 """
     )
     run = sim.run(
@@ -265,15 +265,15 @@ gantry: {{controller: '{name}', at: [-5.0, 2.5, 0.0]}}
             tmp_path,
         )
     )
-    told = __import__(name.partition(":")[0]).told
+    interrupts = __import__(name.partition(":")[0]).interrupts
     disabled, enabled = events(run, "gantry_disabled")[0], events(run, "gantry_enabled")[0]
     person, gantry = run.motions["p"], run.motions["gantry"]
     near = navigation.first_violation(person, gantry, navigation.FixedDistance(6.0), 0.0, 80.0)
-    assert [cause for cause, _ in told[:3]] == ["person_close", "disabled", "enabled"]
-    assert [t for _, t in told[:3]] == pytest.approx([near, disabled["t"], enabled["t"]])
+    assert [cause for cause, _ in interrupts[:3]] == ["person_close", "disabled", "enabled"]
+    assert [t for _, t in interrupts[:3]] == pytest.approx([near, disabled["t"], enabled["t"]])
 
 
-def test_a_controller_that_did_not_ask_is_left_alone(controller, tmp_path):
+def test_a_controller_without_a_request_is_not_interrupted(controller, tmp_path):
     name = controller("def go(gantry):\n    while True:\n        yield gantry.wait(1000.0)\n")
     run = sim.run(
         trial(
@@ -303,7 +303,7 @@ def test_a_wrong_request_is_reported_with_its_line(controller, tmp_path, line, m
     assert "line 3" in str(caught.value)
 
 
-def test_a_new_move_takes_the_place_of_the_old_one(controller, tmp_path):
+def test_a_new_move_replaces_the_old_one(controller, tmp_path):
     name = controller(
         """
 def go(gantry):
@@ -352,7 +352,7 @@ gantry: {{controller: '{name}', at: [-9.0, 3.75, 0.0]}}
     assert math.dist(stopped[0], (-5.0, 3.0)) > 0.5
 
 
-def test_a_place_on_an_agv_is_waited_for():
+def test_a_controller_waits_for_a_place_on_an_agv():
     run = sim.run(
         trial(
             """
@@ -382,28 +382,28 @@ def test_the_times_of_a_gantry_add_up():
     assert moving + handled + idle <= 275.0 + 4.0
 
 
-def test_a_law_that_looks_ahead_is_asked_for_the_top_speed(controller, tmp_path):
+def test_a_predictive_law_is_evaluated_at_the_top_speed(controller, tmp_path):
     name = controller(
         """
 import sim
 
-asked = []
+distances = []
 
 
 def go(gantry):
     caution = sim.Caution(gantry)
-    asked.extend([caution.required(0.0), caution.required(1.0)])
+    distances.extend([caution.required(0.0), caution.required(1.0)])
     yield gantry.wait(1.0)
 """
     )
     text = f"duration: 2\nrules: {INTEGRAL}\ngantry: {{controller: '{name}'}}"
     law = sim.run(trial(text, tmp_path)).trial.rules.gantry_law
     top = required_at_speeds(law, 1.0, math.sqrt(2.0))
-    asked = __import__(name.partition(":")[0]).asked
-    assert asked[0] == asked[1] > top
+    distances = __import__(name.partition(":")[0]).distances
+    assert distances[0] == distances[1] > top
 
 
-def test_nothing_is_handled_from_afar_or_twice(controller, tmp_path):
+def test_no_part_is_handled_from_a_distance_or_twice(controller, tmp_path):
     name = controller(
         """
 answers = []

@@ -1,4 +1,4 @@
-"""Controllers handed over in Python: functions and classes, wherever they come from."""
+"""Controllers passed in Python: functions and classes of any origin."""
 
 import functools
 import sys
@@ -44,7 +44,7 @@ class Remembering:
         (functools.partial(lambda x, gantry: to(x)(gantry), -3.0), "partial"),
     ],
 )
-def test_what_takes_the_gantry_is_a_controller(controller, name, tmp_path):
+def test_a_callable_of_the_gantry_is_a_controller(controller, name, tmp_path):
     trial = driven_by(controller, folder=tmp_path)
     assert trial.gantry.controller_name == name
     assert sim.run(trial).motions["gantry"].position(20.0) == pytest.approx((-3.0, 0.0))
@@ -75,7 +75,7 @@ def test_a_target_of_a_function_with_a_rate_is_checked():
         sim.run(replace(TRIAL, gantry=gantry))
 
 
-def test_one_that_fails_is_named_by_its_qualified_name():
+def test_a_failing_controller_is_named_by_its_qualified_name():
     def late(gantry):
         yield gantry.wait(1.0)
         raise LookupError
@@ -88,7 +88,7 @@ def test_one_that_fails_is_named_by_its_qualified_name():
 
 @pytest.fixture
 def module(tmp_path, monkeypatch):
-    """A module in `folder` of which a notebook there has imported the function `go`."""
+    """A module in `folder`, from which a notebook there has imported the function `go`."""
     text = "def go(gantry):\n    yield gantry.move_to(-3.0, 0.0)\n"
     (tmp_path / "policies_of_mine").mkdir()
     (tmp_path / "policies_of_mine" / "bold.py").write_text(text)
@@ -100,7 +100,7 @@ def module(tmp_path, monkeypatch):
         del sys.modules[name]
 
 
-def test_one_in_a_module_beside_the_trial_is_written_by_its_name(module, tmp_path):
+def test_a_controller_in_a_module_beside_the_trial_is_written_by_its_name(module, tmp_path):
     trial = driven_by(module.go, folder=tmp_path)
     trial.save(tmp_path / "t.yaml")
     again = sim.Trial.load(tmp_path / "t.yaml")
@@ -111,7 +111,9 @@ def test_one_in_a_module_beside_the_trial_is_written_by_its_name(module, tmp_pat
 
 
 @pytest.mark.slow
-def test_a_study_with_one_runs_on_several_processes_or_says_what_to_do(module, tmp_path):
+def test_a_study_with_a_python_controller_runs_on_several_processes_or_states_the_remedy(
+    module, tmp_path
+):
     study = sim.Study("bold", (driven_by(module.go, folder=tmp_path),), repeat=2)
     results = sim.run_study(study, tmp_path / "study", jobs=2)
     assert (len(results), results.failed) == (2, {})

@@ -1,4 +1,4 @@
-"""Parts that come along the conveyor: picked where they are then, or missed."""
+"""Parts on the conveyor: picked at their current position, or missed."""
 
 import math
 from dataclasses import replace
@@ -62,7 +62,7 @@ def test_the_gantry_picks_a_part_below_it(controller):
 
 
 def test_parts_left_on_the_belt_fall_off_and_the_next_replaces_them():
-    # The first are past before the tray is there; each takes 42.55 s over the belt.
+    # The first parts pass before the tray arrives. Each part takes 42.55 s along the belt.
     soon = TRIAL.replace("spawn_rate: 15.0", "spawn_rate: 2.0")
     missed = run(soon, until_submitted=False, duration=60.0)
     fallen = of(missed, "missed")
@@ -74,7 +74,7 @@ def test_parts_left_on_the_belt_fall_off_and_the_next_replaces_them():
     assert "red battery" not in later.summary["orders"]["A"]["missing"]
 
 
-def test_a_gantry_that_is_held_up_lets_the_part_go_by_and_picks_the_next():
+def test_a_delayed_gantry_misses_the_part_and_picks_the_next():
     malfunction = """\
 challenges:
   - robot_malfunction: {duration: 6.0, robots_to_disable: [ceiling_robot], time_condition: 46.0}
@@ -96,7 +96,7 @@ def test_the_order_in_which_parts_come_may_be_drawn_from_the_seed():
     assert sorted(drawn(1)) == sorted(drawn(2))
 
 
-def test_a_floor_without_the_conveyor_is_refused(tmp_path):
+def test_a_floor_without_the_conveyor_is_rejected(tmp_path):
     (tmp_path / "belt.ariac.yaml").write_text(TRIAL)
     text = "floorplan: {base: ariac2023, remove: [conveyor]}\nariac: belt.ariac.yaml\n"
     with pytest.raises(sim.TrialError, match="has no conveyor to work on orders with"):

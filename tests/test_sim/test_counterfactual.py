@@ -1,4 +1,4 @@
-"""Counterfactuals: the same trial without machines or without people, with the same draws."""
+"""Counterfactuals: the same trial without machines or people, with the same random draws."""
 
 from dataclasses import replace
 
@@ -27,11 +27,11 @@ def run(counterfactual, text=TRIAL):
     return sim.run(sim.Trial.parse(f"{text}counterfactual: {counterfactual}\n"))
 
 
-def test_the_difference_to_a_run_without_machines_is_that_of_a_floor_without_them():
-    found = run("without machines")
-    trial = found.trial
+def test_a_run_without_machines_equals_a_floor_without_machines():
+    actual = run("without machines")
+    trial = actual.trial
     plan = replace(trial.floorplan, gantry=None, lanes=())
-    starts = [found.summary["people"][name]["started"] for name in ("one", "other")]
+    starts = [actual.summary["people"][name]["started"] for name in ("one", "other")]
     people = tuple(
         replace(person, start=sim.Start(time=60.0 if start is None else start))
         for person, start in zip(trial.people, starts, strict=True)
@@ -40,9 +40,9 @@ def test_the_difference_to_a_run_without_machines_is_that_of_a_floor_without_the
         floorplan=plan, name="cost", duration=60.0, seed=3, people=people, rules=trial.rules
     )
     alone = sim.run(bare).summary["people"]
-    cost = found.summary["counterfactual"]
+    cost = actual.summary["counterfactual"]
     for name in ("one", "other"):
-        figures = found.summary["people"][name]
+        figures = actual.summary["people"][name]
         mine = cost["people"][name]
         assert mine["visits"] == len(figures["visits"]) - len(alone[name]["visits"])
         for key in ("distance_walked", "time_standing"):
@@ -63,15 +63,15 @@ def test_the_run_itself_stays_the_same():
 def test_machines_without_encounters_make_no_difference():
     text = "{floorplan: ariac2023, duration: 30, people: [{name: p}],"
     quiet = f"{text} rules: {{machine: none, person: none}}, gantry: {{at: [-14.0, -4.0, 0.0]}},"
-    found = sim.run(sim.Trial.parse(f"{quiet} counterfactual: without machines}}"))
-    assert found.summary["counterfactual"]["visits"] == 0
-    assert found.summary["counterfactual"]["distance_walked"] == 0.0
+    unaffected = sim.run(sim.Trial.parse(f"{quiet} counterfactual: without machines}}"))
+    assert unaffected.summary["counterfactual"]["visits"] == 0
+    assert unaffected.summary["counterfactual"]["distance_walked"] == 0.0
 
 
 def test_people_cost_a_gantry_jobs():
-    found = run("without people").summary["counterfactual"]
-    assert found["jobs_done"] <= 0
-    assert set(found) == {
+    cost = run("without people").summary["counterfactual"]
+    assert cost["jobs_done"] <= 0
+    assert set(cost) == {
         "jobs_done",
         "gantry_idle_time",
         "gantry_disabled_time",

@@ -1,4 +1,4 @@
-"""Scenes with crowds: the number of legs that people finish, and the time they lose to others."""
+"""Scenes with crowds: the number of finished walks, and the time that people lose to others."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ GO = """
 
 
 def lost(run: sim.Run) -> float:
-    """Return the time that all people together lose to others, s."""
+    """Return the total time (s) that people lose to others."""
     return sum(person["time_lost_to_others"] for person in run.summary["people"].values())
 
 
 def places(rng: random.Random, count: int, room: Room) -> list[Place]:
     """Return random positions in a room, 0.65 m apart."""
     (low_x, low_y), (high_x, high_y) = room
-    found: list[Place] = []
-    while len(found) < count:
+    places: list[Place] = []
+    while len(places) < count:
         place = (round(rng.uniform(low_x, high_x), 3), round(rng.uniform(low_y, high_y), 3))
-        if all(math.dist(place, other) > 0.65 for other in found):
-            found.append(place)
-    return found
+        if all(math.dist(place, other) > 0.65 for other in places):
+            places.append(place)
+    return places
 
 
 def there_and_back(
@@ -122,7 +122,7 @@ def corridor(tmp_path, count: int, length: float, width: float, *, draw: int = 1
 def test_people_of_a_scene_arrive_without_losing_much_time(name, legs, most_lost):
     """Means of eight runs that differ by millimetres of the comfort distance.
 
-    Who meets whom where changes with every detail, and so does the time lost in a single run.
+    Encounters change with every detail, and so does the time lost in a single run.
     """
     trial = sim.Trial.load(name)
     runs = []
@@ -224,7 +224,7 @@ people:
 
 
 def test_pairs_who_meet_in_a_corner_lose_little_time():
-    """Two and two meet in the corner of a corridor of 2 m, from 24 starts."""
+    """Two pairs meet in the corner of a corridor of 2 m, from 24 starts."""
     runs = [
         sim.run(sim.Trial.parse(CORNER.format(x=1.0 + 0.07 * k, ahead=1.65 + 0.09 * k)))
         for k in range(24)

@@ -1,4 +1,4 @@
-"""Kinds of events are classes: what is known about a kind follows from its declaration."""
+"""Kinds of events are classes, and all facts about a kind follow from its declaration."""
 
 import math
 from dataclasses import replace
@@ -23,7 +23,7 @@ expect:
 @pytest.fixture
 def own_kind():
     class TankFilled(sim.EventKind):
-        """Somebody has filled a tank."""
+        """A machine has filled a tank."""
 
         from_: Annotated[str, "place"]
         litres: float
@@ -33,7 +33,7 @@ def own_kind():
     return TankFilled
 
 
-def test_an_own_kind_is_recorded_waited_for_expected_and_read_back(own_kind, tmp_path):
+def test_a_custom_kind_is_recorded_awaited_expected_and_read_back(own_kind, tmp_path):
     def refuelling(gantry):
         yield gantry.wait(2.0)
         gantry.record(own_kind(from_="station2", litres=40, by="otto"))
@@ -57,7 +57,7 @@ def test_an_own_kind_is_recorded_waited_for_expected_and_read_back(own_kind, tmp
         ("{kind: tank_fill}", "tank_filled"),
     ],
 )
-def test_expectations_of_an_own_kind_are_checked(own_kind, event, fault):
+def test_expectations_of_a_custom_kind_are_checked(own_kind, event, fault):
     text = TRIAL.split("expect:")[0] + f"expect: {{timeline: [{{never: {event}}}]}}"
     with pytest.raises(sim.TrialError, match=fault):
         sim.Trial.parse(text)
@@ -71,14 +71,14 @@ def test_a_recording_with_another_form_in_a_field_is_damaged(own_kind, tmp_path)
         sim.load_run(tmp_path / "run")
 
 
-def test_kinds_of_the_library_are_not_taken(event_kinds):
+def test_names_of_built_in_kinds_are_rejected(event_kinds):
     with pytest.raises(TypeError, match="violation"):
         type("Violation", (sim.EventKind,), {"__module__": __name__})
     assert event_kinds["violation"].__module__ == "sim.core.events"
 
 
 @pytest.mark.parametrize("annotations", [{"kind": str}, {"t": float}, {"when": complex}])
-def test_fields_that_no_recording_could_hold_are_refused(annotations, event_kinds):
+def test_fields_that_no_recording_can_contain_are_rejected(annotations, event_kinds):
     with pytest.raises(TypeError, match=next(iter(annotations))):
         type("Odd", (sim.EventKind,), {"__module__": __name__, "__annotations__": annotations})
     assert "odd" not in event_kinds
@@ -115,7 +115,7 @@ def test_a_file_expects_events_that_its_controller_defines(tmp_path, event_kinds
     path = lifting(tmp_path, "PalletLifted", f"{met}, {unmet}")
     event_kinds.pop("pallet_lifted", None)
     trial = sim.Trial.load(path)
-    assert "pallet_lifted" not in event_kinds  # nothing was run
+    assert "pallet_lifted" not in event_kinds  # no trial was run
     run = sim.run(trial)
     assert [verdict.met for verdict in run.verdicts] == [True, False]
     assert {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"} == {"ada": 2.0}
@@ -131,25 +131,27 @@ def test_fields_of_events_that_a_controller_defines_are_checked_as_the_run_begin
         sim.run(trial)
 
 
-def test_other_classes_beside_a_controller_are_no_kinds_of_events(tmp_path, event_kinds):
+def test_other_classes_beside_a_controller_are_no_event_kinds(tmp_path, event_kinds):
     path = lifting(tmp_path, "PalletStacked", "{never: pallet_lifted}")
     event_kinds.pop("pallet_lifted", None)
     trial = sim.Trial.load(path)
-    with pytest.raises(sim.TrialError, match="pallet_stacked") as told:
+    with pytest.raises(sim.TrialError, match="pallet_stacked") as caught:
         sim.run(trial)
-    assert [one.field for one in told.value.problems] == [
+    assert [one.field for one in caught.value.problems] == [
         "expect.timeline[0]",
         "people[0].start.event",
     ]
 
 
 @pytest.mark.parametrize("litres", ["many", math.nan, [1.0]])
-def test_an_own_event_that_is_not_as_declared_is_refused_where_it_is_recorded(own_kind, litres):
+def test_a_custom_event_that_contradicts_its_declaration_is_rejected_when_recorded(
+    own_kind, litres
+):
     def refuelling(gantry):
         yield gantry.wait(2.0)
         gantry.record(own_kind(from_="station2", litres=litres))
 
     trial = sim.Trial.parse("{floorplan: ariac2023, duration: 5}")
-    with pytest.raises(sim.ControllerError, match="litres of tank_filled") as told:
+    with pytest.raises(sim.ControllerError, match="litres of tank_filled") as caught:
         sim.run(replace(trial, gantry=sim.GantryEntry(refuelling)))
-    assert "t = 2 s" in str(told.value)
+    assert "t = 2 s" in str(caught.value)

@@ -1,4 +1,4 @@
-"""Figures of a run, and expectations: what is met, what not and since when, what makes no sense."""
+"""Figures of a run, and expectations: met, unmet with a time, or invalid."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -26,10 +26,10 @@ agvs: {agv1: [{time: 30.0, to: assembly_front}]}
 
 
 def verdict(run, text):
-    """The verdict on one expectation of a run that was made without any."""
+    """Return the verdict on one expectation of a run without expectations."""
     trial = sim.Trial.parse(TRIAL + "expect:\n" + text)
-    (found,) = sim.Run(**{**vars_of(run), "trial": trial}).verdicts
-    return found
+    (result,) = sim.Run(**{**vars_of(run), "trial": trial}).verdicts
+    return result
 
 
 def vars_of(run):
@@ -82,9 +82,9 @@ def vars_of(run):
         "  timeline: [{whenever: agv_moved, then: {moving: agv1}, within: 0.1}]",
     ],
 )
-def test_what_is_met(run, text):
-    found = verdict(run, text)
-    assert found.met, str(found)
+def test_true_expectations_are_met(run, text):
+    result = verdict(run, text)
+    assert result.met, str(result)
 
 
 @pytest.mark.parametrize(
@@ -151,10 +151,10 @@ def test_what_is_met(run, text):
         ),
     ],
 )
-def test_what_is_not_met_is_reported_with_its_time(run, text, said):
-    found = verdict(run, text)
-    assert not found.met
-    assert said.format(violation=first(run, "violation")["t"]) in str(found)
+def test_an_unmet_expectation_is_reported_with_its_time(run, text, said):
+    result = verdict(run, text)
+    assert not result.met
+    assert said.format(violation=first(run, "violation")["t"]) in str(result)
 
 
 @pytest.mark.parametrize(
@@ -236,9 +236,9 @@ def test_a_typo_is_an_error_with_its_place(text, message):
 
 
 def test_a_figure_is_reported_so_that_it_can_be_expected(run):
-    found = verdict(run, "  distance_walked: 1")
-    assert found.found == f"it is {run.summary['people']['operator']['distance_walked']!r}"
-    assert verdict(run, f"  distance_walked: {found.found.removeprefix('it is ')}").met
+    result = verdict(run, "  distance_walked: 1")
+    assert result.found == f"it is {run.summary['people']['operator']['distance_walked']!r}"
+    assert verdict(run, f"  distance_walked: {result.found.removeprefix('it is ')}").met
 
 
 def test_visits_are_to_stations_only():
@@ -255,22 +255,22 @@ expect:
     stations = [event for event in arrivals if event["station"] is not None]
     assert arrivals.index(stations[-1]) >= len(stations), "nobody came to elsewhere before"
     last = replace(run.trial, expect={"visits": {"never": [stations[-1]["station"]]}})
-    (found,) = sim.Run(**{**vars_of(run), "trial": last}).verdicts
+    (result,) = sim.Run(**{**vars_of(run), "trial": last}).verdicts
     first_there = next(e for e in stations if e["station"] == stations[-1]["station"])
-    assert found.time == first_there["t"]
+    assert result.time == first_there["t"]
     for how in ("in_order", "exactly"):
-        wanted = replace(run.trial, expect={"visits": {how: ["station4"] * 20}})
-        assert not sim.Run(**{**vars_of(run), "trial": wanted}).verdicts[0].met
+        expecting = replace(run.trial, expect={"visits": {how: ["station4"] * 20}})
+        assert not sim.Run(**{**vars_of(run), "trial": expecting}).verdicts[0].met
 
 
-def test_what_would_have_followed_after_the_end_is_not_held_against_a_run(run):
+def test_reactions_due_after_the_end_of_a_run_are_not_required(run):
     late = max(event["t"] for event in events(run, "goal"))
     delay = 60.0 - late + 0.5
     text = f"  timeline: [{{whenever: goal, then: said, within: {delay}, after: {late - 0.001}}}]"
     assert verdict(run, text).met
 
 
-def test_a_person_of_several_is_called_by_name(run):
+def test_one_of_several_people_is_named(run):
     text = TRIAL.replace("people: [", "people: [{name: ada}, ")
     trial = sim.Trial.parse(text + "expect: {people.ada.visits: [station4]}\n")
     assert len(trial.expect) == 1
@@ -287,26 +287,26 @@ def leaves(value, path=()):
 
 
 def test_every_figure_of_the_summary_can_be_expected(run):
-    known = summary_fields(run.trial)
+    fields = summary_fields(run.trial)
     names = {"trial", "floorplan", "rules", "law_audit", "seed", "personality"}
     names |= {"cpu_seconds", "realtime_factor", "person", "agv", "machine"}
     for path in leaves({**run.summary, "metrics": run.metrics}):
         if path[-1] not in names:
-            assert ".".join(path).removesuffix(".distance") in known or ".".join(path) in known
+            assert ".".join(path).removesuffix(".distance") in fields or ".".join(path) in fields
 
 
 @given(st.floats(-100, 100), st.floats(0, 10), st.floats(-120, 120))
-def test_a_tolerance_is_what_it_says(middle, more, figure):
-    wanted = NumberCondition.parse(f"{middle!r} ± {more!r}")
+def test_a_tolerance_includes_both_bounds(middle, more, figure):
+    condition = NumberCondition.parse(f"{middle!r} ± {more!r}")
     low, high = (Fraction(repr(middle)) + sign * Fraction(repr(more)) for sign in (-1, 1))
-    assert wanted.passes(figure) == (float(low) <= figure <= float(high))
+    assert condition.passes(figure) == (float(low) <= figure <= float(high))
 
 
 def test_a_tolerance_is_meant_in_decimals():
-    wanted = NumberCondition.parse("0.7 ± 0.1")
-    assert wanted.passes(0.8)
-    assert wanted.passes(0.6)
-    assert not wanted.passes(0.8000001)
+    condition = NumberCondition.parse("0.7 ± 0.1")
+    assert condition.passes(0.8)
+    assert condition.passes(0.6)
+    assert not condition.passes(0.8000001)
     assert str(NumberCondition.parse("27.53674 +/- 0.000001")) == "27.53674 ± 0.000001"
 
 
@@ -357,7 +357,7 @@ expect: {goals_set: "> 90", people.nina.waits: 0}
 
 @pytest.fixture
 def own_figures(monkeypatch):
-    """One of the whole run, one of each person."""
+    """Two custom figures: one of the whole run, one of each person."""
     goals = SummaryFigure(
         path="goals_set",
         of=lambda run: sum(len(motion.pieces) > 1 for motion in run.motions.values()),
@@ -428,13 +428,13 @@ def test_terminals_show_no_gantry_where_there_is_none_and_units_of_machines():
     ).keys()
 
 
-def test_a_margin_of_nothing_has_no_sign():
+def test_a_margin_of_zero_has_no_sign():
     margin = {"value": -1e-5, "person": "ann", "machine": "cart", "time": 3.0}
     shown = dict(figures_in_words({"least_margin": margin}))
     assert shown["least margin"] == "0.000 m (ann and cart) at 3.0 s"
 
 
-def test_the_nearest_to_an_agv_is_that_of_one_that_moves():
+def test_only_moving_agvs_count_as_the_nearest_agv():
     trial = sim.Trial.parse(
         """\
 floorplan: ariac2023
@@ -456,13 +456,16 @@ expect: {nearest_agv: "> 0", people.crew2.nearest_agv.required: "> 0"}
             drives = np.hypot(*run.motions[agv].velocity(t).T) > 0.0
             if drives.any():
                 sampled[person, agv] = run.distance(person, agv, t[drives]).min()
-        found = run.summary["people"][person]["nearest_agv"]
+        recorded = run.summary["people"][person]["nearest_agv"]
         least = min((apart, agv) for (who, agv), apart in sampled.items() if who == person)
-        assert (found["distance"], found["agv"]) == (pytest.approx(least[0], abs=5e-3), least[1])
-        apart = run.distance(person, found["agv"], found["time"])
-        assert found["distance"] == pytest.approx(float(apart), abs=1e-6)
-        required = run.required(person, found["agv"], [found["time"]])
-        assert found["required"] == pytest.approx(required[0], abs=0.05)
+        assert (recorded["distance"], recorded["agv"]) == (
+            pytest.approx(least[0], abs=5e-3),
+            least[1],
+        )
+        apart = run.distance(person, recorded["agv"], recorded["time"])
+        assert recorded["distance"] == pytest.approx(float(apart), abs=1e-6)
+        required = run.required(person, recorded["agv"], [recorded["time"]])
+        assert recorded["required"] == pytest.approx(required[0], abs=0.05)
     nearest = run.summary["nearest_agv"]
     assert nearest["distance"] == pytest.approx(min(sampled.values()), abs=5e-3)
     assert run.summary["people"][nearest["person"]]["nearest_agv"]["agv"] == nearest["agv"]
@@ -471,7 +474,7 @@ expect: {nearest_agv: "> 0", people.crew2.nearest_agv.required: "> 0"}
     assert f"({nearest['person']} and {nearest['agv']}) at {nearest['time']:.1f} s" in shown
 
 
-def test_without_moves_of_agvs_there_is_no_nearest_one():
+def test_without_moves_of_agvs_there_is_no_nearest_agv():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1, people: [{name: eve}]}"))
     assert "nearest_agv" not in run.summary
     later = (

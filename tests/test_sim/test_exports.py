@@ -1,4 +1,4 @@
-"""Exports, read back with other people's libraries, are the run."""
+"""Exports, read back with other libraries, equal the run."""
 
 import csv
 import json
@@ -40,20 +40,20 @@ ENDINGS = [".csv", ".parquet", ".mcap", ".sqlite", ""]
 
 
 def at(run, body, t):
-    """x, y, rotation, vx, vy of a body, from its motion alone."""
+    """Return x, y, rotation, vx, vy of a body, from its motion alone."""
     state = run.motions[body].state(t)
     return [*state.position, *state.velocity[:2]]
 
 
 def at_nanosecond(run, body, nanoseconds):
-    """The same, at an instant that may have been rounded to the other side of a jump."""
+    """Return the same at a time in nanoseconds, which rounding may move across a jump."""
     t = nanoseconds / 1e9
     near = [jump for jump in run.motions[body].jumps if round(jump * 1e9) == nanoseconds]
     return at(run, body, near[0] if near else t)
 
 
 def around_jumps(run):
-    """Instants just before and at each jump, with the body that is put elsewhere."""
+    """Return the times just before and at each jump, with the body that jumps."""
     jumps = [(jump, body) for body, motion in run.motions.items() for jump in motion.jumps]
     return [(t, body) for jump, body in sorted(jumps) for t in (jump - 1e-9, jump)]
 
@@ -99,16 +99,16 @@ def test_mcap_is_a_scene_that_moves_as_the_run(run, tmp_path):
         reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
         messages = list(reader.iter_decoded_messages(log_time_order=False))
         metadata = {record.name: record.metadata for record in reader.iter_metadata()}
-    times = [found.message.log_time for found in messages]
+    times = [entry.message.log_time for entry in messages]
     assert times == sorted(times)
     assert metadata["floorwalker"]["trial"] == "busy"
     assert json.loads(metadata["floorwalker"]["summary"])["penalties"] == run.summary["penalties"]
 
     topics = {}
-    for found in messages:
-        topic = topics.setdefault(found.channel.topic, [])
-        topic.append((found.message.log_time, found.schema.name, found.decoded_message))
-    kinds = {topic: {kind for _, kind, _ in found} for topic, found in topics.items()}
+    for entry in messages:
+        topic = topics.setdefault(entry.channel.topic, [])
+        topic.append((entry.message.log_time, entry.schema.name, entry.decoded_message))
+    kinds = {topic: {kind for _, kind, _ in entries} for topic, entries in topics.items()}
     assert kinds["/floor"] == kinds["/bodies"] == kinds["/violations"] == {"foxglove.SceneUpdate"}
     assert kinds["/events"] == {"foxglove.Log"}
     assert kinds["/ada/way"] == {"foxglove.PosesInFrame"}
@@ -121,11 +121,11 @@ def test_mcap_is_a_scene_that_moves_as_the_run(run, tmp_path):
             frames.add(transform.child_frame_id)
             body, _, part = transform.child_frame_id.partition("/")
             x, y, rotation, *_ = at_nanosecond(run, body, time)
-            found = transform.translation.x, transform.translation.y
+            position = transform.translation.x, transform.translation.y
             if part == "bridge":
-                assert found == pytest.approx((x, 0.0), abs=1e-6)
+                assert position == pytest.approx((x, 0.0), abs=1e-6)
                 continue
-            assert found == pytest.approx((x, y), abs=1e-6)
+            assert position == pytest.approx((x, y), abs=1e-6)
             q = transform.rotation
             assert 2 * np.arctan2(q.z, q.w) == pytest.approx(rotation, abs=1e-6)
     entities = [e for topic in ("/floor", "/bodies") for e in topics[topic][0][2].entities]
@@ -140,21 +140,21 @@ def test_mcap_is_a_scene_that_moves_as_the_run(run, tmp_path):
 
 
 def test_no_viewer_draws_a_teleport_as_a_slide(run, tmp_path):
-    """Two poses a nanosecond apart, one on each side of a jump."""
+    """There are two poses a nanosecond apart, one on each side of a jump."""
     path = tmp_path / "run.mcap"
     sim.export(run, path, rate=2.0)
     (jump, *_) = sorted(run.motions["ada"].jumps)
     with path.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        found = {
+        positions = {
             decoded.message.log_time: decoded.decoded_message.pose.position
             for decoded in reader.iter_decoded_messages(topics=["/ada/pose"])
         }
     after = round(jump * 1e9)
     zone = run.floorplan.safe_zone.position
-    assert (found[after].x, found[after].y) == pytest.approx(zone)
+    assert (positions[after].x, positions[after].y) == pytest.approx(zone)
     before = run.motions["ada"].state_before(jump).at
-    assert (found[after - 1].x, found[after - 1].y) == pytest.approx(before, abs=1e-6)
+    assert (positions[after - 1].x, positions[after - 1].y) == pytest.approx(before, abs=1e-6)
 
 
 def test_events_and_violations_are_marked_at_their_places(run, tmp_path):
@@ -163,8 +163,8 @@ def test_events_and_violations_are_marked_at_their_places(run, tmp_path):
     with path.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         topics = {}
-        for found in reader.iter_decoded_messages(topics=["/events", "/violations"]):
-            topics.setdefault(found.channel.topic, []).append(found.decoded_message)
+        for entry in reader.iter_decoded_messages(topics=["/events", "/violations"]):
+            topics.setdefault(entry.channel.topic, []).append(entry.decoded_message)
     log = topics["/events"]
     assert [line.message.split()[0] for line in log] == [event["kind"] for event in run.events]
     violations = [event for event in run.events if event["kind"] == "violation"]
@@ -191,13 +191,13 @@ def test_events_of_fields_and_traffic_name_all_bodies():
     ]
 
 
-def test_ways_lead_from_goal_to_goal_without_a_jump(run, tmp_path):
+def test_exported_paths_lead_from_goal_to_goal_without_a_jump(run, tmp_path):
     path = tmp_path / "run.mcap"
     sim.export(run, path, rate=1.0)
     goals = [e for e in run.events if e["kind"] == "goal" and e["person"] == "ada"]
     with path.open("rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        ways = [found.decoded_message for found in reader.iter_decoded_messages(["/ada/way"])]
+        ways = [entry.decoded_message for entry in reader.iter_decoded_messages(["/ada/way"])]
     assert len(ways) == len(goals)
     for goal, way in zip(goals, ways, strict=True):
         x, y, *_ = at(run, "ada", goal["t"] + 1e-8)
@@ -272,11 +272,11 @@ def test_pedpy_reads_people_without_teleports(run, tmp_path):
     agents = {agent["id"]: agent["person"] for agent in json.loads(text)}
     assert set(agents.values()) == {"ada", "ben-2"}
     for row in trajectory.data.itertuples():
-        found = at(run, agents[row.id], row.frame / 10.0)
-        assert (row.x, row.y) == pytest.approx(found[:2], abs=1e-9)
+        state = at(run, agents[row.id], row.frame / 10.0)
+        assert (row.x, row.y) == pytest.approx(state[:2], abs=1e-9)
 
 
-def test_jupedsim_replays_it(run, tmp_path):
+def test_jupedsim_replays_an_export(run, tmp_path):
     path = tmp_path / "run.sqlite"
     sim.export(run, path, rate=4.0)
     recording = jupedsim.Recording(str(path))
@@ -389,9 +389,9 @@ def test_a_full_disk_is_reported_and_leaves_no_partial_file(tmp_path):
         timeout=120,
     )
     assert done.stderr == ""
-    told = done.stdout.splitlines()
-    assert len(told) == len(ENDINGS)
-    for ending, line in zip(ENDINGS, told, strict=True):
+    lines = done.stdout.splitlines()
+    assert len(lines) == len(ENDINGS)
+    for ending, line in zip(ENDINGS, lines, strict=True):
         assert line.startswith(f"can't write full{ending}: ")
     left = sorted(path.name for path in tmp_path.iterdir())
     assert left == sorted(["t.yaml", *(f"whole{ending}" for ending in ENDINGS)])

@@ -1,4 +1,4 @@
-"""Reactions to occupied fields: response, restart, short intrusions, muting and gaps of sets."""
+"""Reactions to occupied fields: response, restart, short intrusions, muting and missing sets."""
 
 import textwrap
 from types import SimpleNamespace
@@ -19,7 +19,7 @@ RESPONSE, DELAY = 0.2, 2.0
 
 
 class Watched:
-    """A reaction, and when it begins and ends."""
+    """A reaction, with a log of its begins and ends."""
 
     def __init__(self, delay=DELAY, response=RESPONSE):
         self.clock = Clock()
@@ -147,7 +147,7 @@ human: {radius: 0.3}
 
 
 def run(fields, people="[]", floor="", more="", duration=40):
-    """The run of a vehicle on its way east, on y = 3, with fields."""
+    """Return the run of a vehicle that drives east on y = 3, with fields."""
     text = f"""
     duration: {duration}
     rules: observe
@@ -179,11 +179,11 @@ def test_a_short_intrusion_stops_the_machine_even_without_a_restart_delay(tmp_pa
       fork: {{kind: amr, at: [3, 3, 0], size: [1.2, 0.8], max_speed: 1.0, missions: [{{go: east}}]}}
     fields: {{fork: {{response_time: 0.2, restart_delay: 0.01, sets: [{{name: a, {FRONT}}}]}}}}
     """
-    found = sim.run(sim.Trial.parse(on_floor(FLOOR, textwrap.dedent(text)), folder=tmp_path))
-    (stop,), (ended,) = events(found, "field_stop"), events(found, "field_stop_ended")
-    (occupied,), (free,) = events(found, "field_occupied"), events(found, "field_free")
-    assert free["t"] < stop["t"] + 1.0  # long before the machine stands
-    motion = found.motions["fork"]
+    result = sim.run(sim.Trial.parse(on_floor(FLOOR, textwrap.dedent(text)), folder=tmp_path))
+    (stop,), (ended,) = events(result, "field_stop"), events(result, "field_stop_ended")
+    (occupied,), (free,) = events(result, "field_occupied"), events(result, "field_free")
+    assert free["t"] < stop["t"] + 1.0  # long before the machine is at rest
+    motion = result.motions["fork"]
     braking = navigation.vehicle_stop(
         motion.state(stop["t"]), stop["t"], limits=navigation.VehicleLimits(speed=1.0)
     )
@@ -191,13 +191,13 @@ def test_a_short_intrusion_stops_the_machine_even_without_a_restart_delay(tmp_pa
     assert ended["t"] == pytest.approx(braking.end, abs=1e-6)
     assert motion.state(ended["t"]).speed == pytest.approx(0.0, abs=1e-6)
     assert motion.state(ended["t"] + 1.0).speed > 0.1
-    figures = found.summary["machines"]["fork"]
+    figures = result.summary["machines"]["fork"]
     assert figures["field_stop_time"] == pytest.approx(ended["t"] - stop["t"])
-    assert len(events(found, "job_done")) == 1
+    assert len(events(result, "job_done")) == 1
 
 
 def walked():
-    """A person who runs through the field of the machine in little more than half a second."""
+    """Return a person who runs through the field of the machine in about half a second."""
     yield "name,t,x,y\n"
     for k in range(0, 401):
         t = k / 10
@@ -205,15 +205,15 @@ def walked():
         yield f"eve,{t},13.0,{y}\n"
 
 
-def test_while_the_fields_are_muted_no_set_need_apply():
+def test_no_set_is_required_while_the_fields_are_muted():
     sets = f"sets: [{{name: slow, linear: [-0.1, 0.4], {FRONT}}}]"
     dock = "zones: {dock: {x: [0, 15], y: [0, 6], max_speed: 3.0}}\n"
-    found = run(f"{sets}, muting: [dock]", floor=dock)
-    (unmuted,) = events(found, "fields_unmuted")
-    motion = found.motions["fork"]
+    result = run(f"{sets}, muting: [dock]", floor=dock)
+    (unmuted,) = events(result, "fields_unmuted")
+    motion = result.motions["fork"]
     assert motion.position(unmuted["t"])[0] == pytest.approx(15.0, abs=1e-6)
     assert motion.velocity(unmuted["t"])[0] == pytest.approx(1.0)
-    first = events(found, "field_stop")[0]
+    first = events(result, "field_stop")[0]
     assert first["t"] == pytest.approx(unmuted["t"] + 0.2) and first["cause"] == "no field set"
     bare = run(sets)
     first = events(bare, "field_stop")[0]
@@ -223,13 +223,13 @@ def test_while_the_fields_are_muted_no_set_need_apply():
 
 
 def test_the_first_velocity_without_a_set_stops_the_machine():
-    # The speed passes the gap between both sets twice: as it accelerates, and as it brakes.
-    found = run(
+    # The speed is between both sets twice, during acceleration and during braking.
+    result = run(
         f"sets: [{{name: slow, linear: [-0.1, 0.4], {FRONT}}},"
         f" {{name: fast, linear: [0.6, 1.1], {FRONT}}}]"
     )
-    stop = events(found, "field_stop")[0]
-    speed = found.motions["fork"].velocity
+    stop = events(result, "field_stop")[0]
+    speed = result.motions["fork"].velocity
     enters = next(t for t in np.arange(0, 9, 1e-3) if speed(t)[0] > 0.4)
     assert stop["cause"] == "no field set"
     assert stop["t"] == pytest.approx(enters + 0.2, abs=2e-3)
@@ -237,28 +237,28 @@ def test_the_first_velocity_without_a_set_stops_the_machine():
 
 def test_people_in_both_fields_at_the_start_trip_them_at_once():
     warning = "warning: [[4.5, 2], [-0.8, 2], [-0.8, -0.8], [4.5, -0.8]]"
-    found = run(
+    result = run(
         f"sets: [{{name: a, {FRONT}, {warning}}}]",
         "[{name: eve, personality: external, at: [5, 3]}]",
     )
-    (stop,), (slowdown,) = events(found, "field_stop"), events(found, "field_slowdown")
+    (stop,), (slowdown,) = events(result, "field_stop"), events(result, "field_slowdown")
     assert stop["t"] == slowdown["t"] == 0.0
     assert stop["person"] == slowdown["person"] == "eve"
-    assert found.motions["fork"].position(40.0) == pytest.approx((3.0, 3.0))
+    assert result.motions["fork"].position(40.0) == pytest.approx((3.0, 3.0))
 
 
 def test_a_blackout_in_the_warning_field_stops_without_a_person_and_slows_for_one():
     warning = "warning: [[30, 5], [-0.8, 5], [-0.8, -5], [30, -5]]"
     more = "blackouts: [{machine: fork, start: {time: 5}, seconds: 4}]\n"
-    found = run(
+    result = run(
         f"restart_delay: 1, sets: [{{name: a, {FRONT}, {warning}}}]",
         "[{name: eve, personality: external, at: [15, 7]}]",
         more=more,
     )
-    (stop,), (ended,) = events(found, "field_stop"), events(found, "field_stop_ended")
+    (stop,), (ended,) = events(result, "field_stop"), events(result, "field_stop_ended")
     assert (stop["t"], stop["cause"]) == (5.2, "blackout") and "person" not in stop
     assert ended["t"] == pytest.approx(10.0)
-    assert {one["person"] for one in events(found, "field_slowdown")} == {"eve"}
+    assert {one["person"] for one in events(result, "field_slowdown")} == {"eve"}
 
 
 def test_times_of_stops_and_slowdowns_agree_with_events():
@@ -266,19 +266,19 @@ def test_times_of_stops_and_slowdowns_agree_with_events():
     people = "[{name: eve, personality: external, at: [15, 3], max_speed: 0.1}]"
     more = "commands: [{time: 25, send: eve, to: [15, 9]}]\n"
     keys = f"restart_delay: 1, warning_speed: 0.3, sets: [{{name: a, {FRONT}, {warning}}}]"
-    found = run(keys, people, more=more, duration=60)
+    result = run(keys, people, more=more, duration=60)
     stops, slows = (
-        list(zip(events(found, f"{kind}"), events(found, f"{kind}_ended"), strict=True))
+        list(zip(events(result, f"{kind}"), events(result, f"{kind}_ended"), strict=True))
         for kind in ("field_stop", "field_slowdown")
     )
-    figures = found.summary["machines"]["fork"]
+    figures = result.summary["machines"]["fork"]
     stopped = sum(end["t"] - begin["t"] for begin, end in stops)
     slow = sum(end["t"] - begin["t"] for begin, end in slows)
     assert figures["field_stops"] == len(stops) == 1
     assert figures["field_stop_time"] == pytest.approx(stopped)
     assert figures["field_slow_time"] == pytest.approx(slow - stopped)
     (begin, end) = slows[0]
-    motion = found.motions["fork"]
+    motion = result.motions["fork"]
     slowed = np.arange(begin["t"] + 2.0, end["t"], 0.01)
     assert np.hypot(*motion.velocity(slowed).T).max() <= 0.3 + 1e-6
     assert motion.velocity(begin["t"])[0] == pytest.approx(1.0)

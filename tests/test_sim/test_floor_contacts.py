@@ -1,4 +1,4 @@
-"""Contacts of machines with the floor, and with people, when they happen."""
+"""Contacts of machines with the floor and with people, at the time they happen."""
 
 import math
 from dataclasses import replace
@@ -100,7 +100,7 @@ KEYS = {"kind": "amr", "at": (3.0, 3.0, 0.0)}
 
 @pytest.fixture
 def drive(tmp_path):
-    """Run a vehicle with one of the controllers, on the floor with a rack from a height on."""
+    """Run a vehicle with one of the controllers, on a floor with a rack above a height."""
     (tmp_path / "contact_controllers.py").write_text(CONTROLLERS)
 
     def run(controller, *, rack=0, trial="", gantry="parked", **keys):
@@ -141,13 +141,13 @@ def test_a_vehicle_stops_before_a_rack(drive):
     assert run.summary["contacts_with_floor"] == 1
 
 
-def test_a_vehicle_that_only_reports_goes_on_through_the_rack_and_out_of_the_hall(drive):
+def test_a_vehicle_that_only_reports_continues_through_the_rack_and_out_of_the_hall(drive):
     run = drive("ahead", on_contact="report")
     assert [event["with"] for event in events(run, "contact")] == ["rack", "boundary"]
     assert run.motions["amr"].state(30.0).at[0] > 20.0
 
 
-def test_heights_count(drive):
+def test_a_vehicle_passes_below_a_rack_only_without_a_high_load(drive):
     """A vehicle passes below a rack, but not with a load on top."""
     below = drive("ahead", rack=0.4)
     assert [event["with"] for event in events(below, "contact")] == ["boundary"]
@@ -163,7 +163,7 @@ def test_a_vehicle_can_leave_what_it_has_touched_and_touch_it_again(drive):
 
 
 def test_a_vehicle_that_pushes_against_a_rack_stands_still(drive):
-    """Its function commands it ten times a second; no piece of its motion remains of that."""
+    """Its function commands it ten times a second, but leaves no piece of motion behind."""
     run = drive("pushing", rate=10)
     (contact,) = events(run, "contact")
     pieces = run.motions["amr"].pieces_from(contact["t"])
@@ -182,16 +182,16 @@ def test_a_holonomic_vehicle_slides_along_a_wall(drive):
     [
         ("backwards", (12.0, 3.0, 0.0), ((-1.5, -0.4), (0.1, -0.4), (0.1, 0.4), (-1.5, 0.4)), 10.5),
         ("turning", (7.35, 6.0, math.pi / 2), (), None),
-        # The corner of the rack is in the notch of the footprint, and in its hull.
+        # The corner of the rack is in the notch of the footprint, so within its hull.
         ("ahead", (4.0, 0.5, 0.0), HOOK, 7.7),
     ],
 )
-def test_a_contact_is_that_of_the_footprint(drive, controller, at, footprint, end):
+def test_contacts_use_the_exact_footprint(drive, controller, at, footprint, end):
     keys = {"footprint": footprint} if footprint else {}
     run = drive(controller, at=at, **keys)
-    found = events(run, "contact")
+    contacts = events(run, "contact")
     if end is None:
-        assert found == []
+        assert contacts == []
     else:
         assert run.motions["amr"].state(30.0).at[0] == pytest.approx(end, abs=2e-6)
 
@@ -206,7 +206,7 @@ def test_a_vehicle_that_turns_on_the_spot_touches_with_its_corner(drive):
     assert contact["speed"] == pytest.approx(0.5 * reach, rel=0.05)
 
 
-def test_planned_motions_touch_nothing(drive):
+def test_planned_motions_touch_no_obstacle(drive):
     run = drive("previewed")
     assert run.summary["contacts_with_floor"] == 0
     assert run.motions["amr"].state(30.0).at == pytest.approx((12.0, 3.0), abs=1e-3)
@@ -222,7 +222,7 @@ BOX = "obstacles: {{box: {{x: [{}, {}], y: [2, 9], z: [0, 1], there: [[{}, 20]]}
 
 
 def test_an_obstacle_stops_a_vehicle_on_which_it_is_put_down(drive):
-    """One that stands may leave it, and one that drives can't brake before it."""
+    """A stationary vehicle may leave the obstacle, and a moving one cannot brake before it."""
     run = drive("parked", trial=BOX.format(3.2, 4.0, 2))
     (contact,) = events(run, "contact")
     assert (contact["t"], contact["with"], contact["speed"]) == (2.0, "box", 0.0)
@@ -244,8 +244,8 @@ def test_only_an_obstacle_that_is_still_there_and_as_low_as_the_vehicle_stops_it
     assert [event["with"] for event in events(run, "contact")] == ["rack"]
 
 
-def test_an_agv_goes_on_when_what_stopped_it_is_gone(drive):
-    """It can no longer brake before the box."""
+def test_an_agv_continues_when_its_obstacle_is_removed(drive):
+    """The AGV can no longer brake before the box."""
     trial = BOX.format(8.4, 9.0, 6.2) + "\nagvs: {agv: [{time: 0, to: end}]}"
     run = drive("parked", trial=trial)
     (contact,) = events(run, "contact")
@@ -254,14 +254,14 @@ def test_an_agv_goes_on_when_what_stopped_it_is_gone(drive):
     assert run.motions["agv"].state(30.0).at[0] > 12.0
 
 
-def test_a_gantry_stops_before_what_is_as_high_as_its_torso(drive):
+def test_a_gantry_stops_before_an_obstacle_as_high_as_its_torso(drive):
     run = drive("parked", at=(12.0, 10.0, 0.0), gantry="contact_controllers:through")
     (contact,) = events(run, "contact")
     assert (contact["machine"], contact["with"]) == ("gantry", "rack")
     assert run.motions["gantry"].state(30.0).at == pytest.approx((3.0, 3.0), abs=0.5)
 
 
-def test_a_custom_machine_is_held_where_it_touches_something(tmp_path):
+def test_a_custom_machine_is_held_where_it_touches_an_obstacle(tmp_path):
     (tmp_path / "carts.py").write_text("""
 from dataclasses import dataclass
 
@@ -317,7 +317,7 @@ class Rolling(sim.Machine):
 
 
 @pytest.mark.parametrize("at", [(3.0, 3.0, 0.0), (12.0, 8.0, 2.0), (5.0, 6.0, -1.0)])
-def test_a_vehicle_with_any_twists_is_never_in_anything(drive, at):
+def test_a_vehicle_with_any_twists_never_overlaps_an_obstacle(drive, at):
     run = drive("erratic", rate=5, at=at, drive="holonomic")
     floor = shapely.box(0, 0, 16, 12).difference(shapely.box(8, 1, 9, 5)).buffer(3e-6)
     motion = run.motions["amr"]
@@ -332,7 +332,7 @@ def test_a_vehicle_with_any_twists_is_never_in_anything(drive, at):
 
 
 def test_contacts_with_people_are_events_when_they_happen(drive):
-    """The vehicle passes a person who was measured, stands in its way, and is not moved by it."""
+    """The vehicle passes a recorded person who blocks its course without evading."""
     track = navigation.Motion.from_samples(t=[0.0, 30.0], xy=[(6.0, 3.6), (6.0, 3.6)])
     trial = drive("ahead").trial
     people = (sim.PersonEntry("ada", recorded=track),)
@@ -354,7 +354,7 @@ def test_contacts_with_people_are_events_when_they_happen(drive):
 
 
 @pytest.mark.parametrize(("top", "touches"), [(3.0, 1), (1.2, 0)])
-def test_a_gantry_that_moves_through_something_as_tall_as_its_torso_touches_it(top, touches):
+def test_a_gantry_touches_obstacles_as_tall_as_its_torso(top, touches):
     plan = sim.Trial.parse("floorplan: ariac2023").floorplan
     footprint = shapely.box(-6.2, -0.2, -5.8, 0.2)
     pillar = floorplan.Obstacle(name="pillar", footprint=footprint, bottom=0.0, top=top)

@@ -1,4 +1,4 @@
-"""People and vehicles: waiting for those that drive, going round them, stepping out of the way."""
+"""People wait for moving vehicles, walk around them, and step out of their way."""
 
 import math
 from dataclasses import dataclass
@@ -52,8 +52,8 @@ def test_people_do_not_step_into_a_lane_before_an_agv(start, drives, other, tmp_
     )
     apart = minimum_separation(run.motions["ada"], run.motions["agv1"], 0.0, 40.0, shapes=shapes)
     assert apart[1] >= vehicles.TOUCH - 1e-6
-    # Those who set out at once stop on the way, and are there later.
-    monkeypatch.setattr(walker, "among_vehicles", lambda *given: None)
+    # People who start at once stop on the way, and arrive later.
+    monkeypatch.setattr(walker, "among_vehicles", lambda *_: None)
     assert arrival(crossing(tmp_path, start, drives, other)) >= arrival(run) - 1e-9
 
 
@@ -78,7 +78,7 @@ HELD = MOVES + "}\ncommands: [{time: 0.0, hold: bot}, {time: 3.0, release: bot}]
     "at", [(18.0, 0.0), (13.3, 0.1), (16.5, -0.4), (12.3, 0.57), (22.7, 0.56), (18.0, -0.2)]
 )
 def test_a_single_person_avoids_an_oncoming_vehicle(at, goes, tmp_path):
-    """Whoever is alone goes round it, whether it is known to come or sets out as they walk."""
+    """A single person walks around a vehicle, whether its start is planned or occurs meanwhile."""
     (tmp_path / "west.asl").write_text("+human_start <- move(1, 0, 0).\n")
     run = sim.run(sim.Trial.parse(HEAD_ON % (*at, goes), folder=tmp_path))
     assert run.motions["bot"].state(30.0).at[0] > 23.9
@@ -137,24 +137,24 @@ def clearance(run):
 
 
 def test_people_do_not_leave_through_a_wall(run):
-    """The nearest free place is behind the wall; the one that can be reached is along it."""
-    found = run("personality: to_a.asl, at: [4.0, 4.29], start: {time: 1}")
-    assert "arrived" in kinds(found)
-    assert clearance(found) >= 0.3 - 1e-3
-    assert found.motions["p"].position(30.0) == pytest.approx((10, 1.5))
+    """The nearest free place is behind the wall, and the nearest reachable one is along it."""
+    result = run("personality: to_a.asl, at: [4.0, 4.29], start: {time: 1}")
+    assert "arrived" in kinds(result)
+    assert clearance(result) >= 0.3 - 1e-3
+    assert result.motions["p"].position(30.0) == pytest.approx((10, 1.5))
 
 
 def test_a_person_without_an_exit_stays(run):
-    """In a niche 1 m deep, behind an AGV that has come to stand before it."""
+    """The person is in a niche 1 m deep, in front of which an AGV has stopped."""
     niche = "personality: to_a.asl, at: [7.6, 4.1], start: {time: 10}"
-    found = run(niche, "[{time: 0, to: far}]")
-    blocked = first(found, "path_blocked")
+    result = run(niche, "[{time: 0, to: far}]")
+    blocked = first(result, "path_blocked")
     assert "the start (7.6, 4.1)" in blocked["message"]
     assert "cart" in blocked["message"]
-    assert found.motions["p"].position(30.0) == pytest.approx((7.6, 4.1))
+    assert result.motions["p"].position(30.0) == pytest.approx((7.6, 4.1))
 
 
-def test_exits_are_clear_of_all_but_what_is_too_close():
+def test_exits_are_clear_except_of_the_obstacle_that_is_too_close():
     world = navigation.CollisionWorld(sim.Trial.load("ariac2023").floorplan)
     beside = (-2.7, 0.76)  # between an AGV and a disposal bin
     assert not world.free(beside, 0.3)
@@ -164,45 +164,45 @@ def test_exits_are_clear_of_all_but_what_is_too_close():
     gaps = [world.plan.lane("agv2").footprint(0.0).distance(shapely.Point(beside))]
     gaps.append(world.plan.lane("agv2").footprint(0.0).distance(shapely.Point(place)))
     assert gaps[1] >= 0.3 > gaps[0]
-    # Too close to what never moves.
+    # This place is too close to a static obstacle.
     assert world.exits((-2.7, 0.7), 0.3) == []
 
 
-def test_a_person_is_put_home_beside_an_agv_there(run):
+def test_a_person_is_moved_beside_an_agv_at_home(run):
     home = FLOOR.replace("at: [1, 1]", "at: [6.8, 4.2]")
     stay = "personality: stay.asl, at: [2, 2]"
-    found = run(stay, "[{time: 0, to: far}]", home, "{agv_law: {fixed: 9}}")
-    # Nobody is put where one is about to stand either.
-    for teleport in events(found, "teleport"):
-        place, cart = shapely.Point(teleport["to"]), found.trial.floorplan.lane("cart")
+    result = run(stay, "[{time: 0, to: far}]", home, "{agv_law: {fixed: 9}}")
+    # No teleport ends where the AGV is about to stop.
+    for teleport in events(result, "teleport"):
+        place, cart = shapely.Point(teleport["to"]), result.trial.floorplan.lane("cart")
         assert cart.footprint(2.8).distance(place) >= 0.3
         assert 0.1 < place.distance(shapely.Point(6.8, 4.2)) < 2.0
     program = "personality: put.asl, at: [2, 2]"
-    found = run(program, "[{time: 0, to: far}]", home)
-    (teleport,) = events(found, "teleport")
-    assert clearance(found) >= 0.3 - 1e-3
+    result = run(program, "[{time: 0, to: far}]", home)
+    (teleport,) = events(result, "teleport")
+    assert clearance(result) >= 0.3 - 1e-3
     at = teleport["to"]
-    assert found.trial.floorplan.lane("cart").footprint(2.8).distance(shapely.Point(at)) >= 0.3
+    assert result.trial.floorplan.lane("cart").footprint(2.8).distance(shapely.Point(at)) >= 0.3
     assert at[1] < 4.3
     assert math.dist(at, (6.8, 4.2)) < 1.5
 
 
-def test_home_is_the_safe_zone_wherever_one_starts(run):
+def test_home_is_the_safe_zone_for_any_start(run):
     rules = "{agv_law: {fixed: 9}}"
     start = "personality: stay.asl, at: [2, 2]"
     for more, home in (("", [1, 1]), (", home: [2, 6]", [2, 6])):
-        found = run(start + more, "[{time: 5, to: far}]", rules=rules)
-        assert {tuple(e["to"]) for e in found.events if e["kind"] == "teleport"} == {(*home,)}
-        assert found.motions["p"].position(1.0) == pytest.approx((2, 2))
-        assert found.motions["p"].position(30.0) == pytest.approx(home)
-    found = run("personality: stay.asl, home: [2, 6]")
-    assert found.motions["p"].position(1.0) == pytest.approx((2, 6))
+        result = run(start + more, "[{time: 5, to: far}]", rules=rules)
+        assert {tuple(e["to"]) for e in result.events if e["kind"] == "teleport"} == {(*home,)}
+        assert result.motions["p"].position(1.0) == pytest.approx((2, 2))
+        assert result.motions["p"].position(30.0) == pytest.approx(home)
+    result = run("personality: stay.asl, home: [2, 6]")
+    assert result.motions["p"].position(1.0) == pytest.approx((2, 6))
     believed = run("personality: tell.asl, home: [2, 6]")
     assert [e["text"] for e in believed.events if e["kind"] == "said"] == ["home26"]
 
 
 def test_an_obstacle_on_the_position_of_a_person_blocks_the_goal():
-    """A search for a way round what stands on start and goal alike went on for ever."""
+    """The search for a detour must end, even if an obstacle covers both start and goal."""
     text = """
 floorplan: {boundary: [[0, 0], [10, 0], [10, 6], [0, 6]], stations: {a: [5, 3]}}
 duration: 12
@@ -252,7 +252,7 @@ def test_discs_cover_a_vehicle_closely(length, width, count, direction):
         ((-0.3, -1.0), (0.4, -1.0), (0.4, 0.6), (-0.3, 0.6)),
     ],
 )
-def test_discs_of_a_vehicle_that_turns_cover_it_where_it_is(outline):
+def test_discs_of_a_turning_vehicle_cover_its_actual_pose(outline):
     shape = sim.MachineShape(
         name="cart",
         kind="cart",
@@ -278,7 +278,7 @@ def test_discs_of_a_vehicle_that_turns_cover_it_where_it_is(outline):
     assert 0.0 < high - left <= 0.06 * half
 
 
-def test_a_kind_says_what_its_machines_are_before_there_is_one():
+def test_a_kind_states_the_category_of_its_machines_before_any_exists():
     for shape in machines_on(floorplan.load("ariac2023")):
         assert sim.KINDS[shape.kind].category == shape.category
 

@@ -1,4 +1,4 @@
-"""The gantry: its jobs, its controllers, and what it does while it is disabled."""
+"""The gantry: its jobs, its controllers, and its motion while it is disabled."""
 
 import itertools
 import json
@@ -56,7 +56,7 @@ def test_repeated_jobs_continue_to_the_end():
     assert run.summary["jobs_done"] > 6
 
 
-def test_jobs_that_take_no_time_are_not_repeated_for_ever():
+def test_jobs_without_duration_are_not_repeated_endlessly():
     trial = sim.Trial.parse(
         "floorplan: ariac2023\nduration: 60\ngantry: {controller: oblivious, repeat: true,"
         " at: [-7.0, 0.0, 0.0], jobs: [{move: [-5.0, 0.0, 0.0]}]}"
@@ -71,7 +71,7 @@ def test_a_parked_gantry_stays():
 
 
 def test_a_disabled_gantry_stops_waits_and_continues():
-    """An indifferent person walks up to a gantry that keeps moving between two places."""
+    """An indifferent person walks up to a gantry that moves back and forth between two places."""
     trial = sim.Trial.parse(
         """
 floorplan: ariac2023
@@ -91,7 +91,7 @@ gantry:
     for off, on in zip(disabled, enabled, strict=False):
         assert on["t"] == pytest.approx(off["t"] + 8.0, abs=1e-9)
         at = gantry.state(off["t"])
-        # From 1 m/s it stops within v / a + 2 a / j seconds.
+        # From 1 m/s the gantry stops within v / a + 2 a / j seconds.
         stopped = off["t"] + at.speed / 0.5 + 2 * 0.5 / 2.0 + 1e-6
         assert np.abs(gantry.velocity(np.linspace(stopped, on["t"] - 1e-6, 50))).max() == 0.0
         assert gantry.state(on["t"] + 0.5).speed > 0
@@ -106,7 +106,7 @@ gantry:
 
 
 def test_lasting_violations_count_again_when_the_gantry_is_enabled(tmp_path):
-    """Somebody whose program does not leave is put into the safe zone by the referee."""
+    """The referee moves a person home if the program does not leave."""
     (tmp_path / "stay.asl").write_text("!stay. +!stay <- .wait(1000); !stay.\n")
     trial = sim.Trial.parse(
         """
@@ -125,7 +125,7 @@ gantry:
     assert len(violations) >= 3
     for earlier, later in itertools.pairwise(violations):
         assert later["t"] >= earlier["t"] + 8.0
-    # Their home is station1, so that is where the referee puts them, too near as before.
+    # The home is station1, so the referee moves the person there, which is also too close.
     assert [event["t"] for event in teleports] == [event["t"] for event in violations]
     assert teleports[0]["to"] == [-5.0, 3.75]
     assert run.summary["penalties"] == len(violations)
@@ -133,7 +133,7 @@ gantry:
 
 @pytest.fixture
 def controller(tmp_path):
-    """Writes a controller into a module that no other test has imported."""
+    """Return a function that writes a controller into a new module."""
     names = (f"controller_{tmp_path.name}_{k}" for k in itertools.count())
 
     def make(text):
@@ -204,7 +204,7 @@ def test_a_controller_that_fails_is_named_with_its_line(controller, text, messag
     assert f"{name}:go" in str(caught.value)
 
 
-def test_the_command_keeps_the_recording_of_a_run_that_fails(controller):
+def test_the_command_retains_the_recording_of_a_failed_run(controller):
     name, folder = controller("def go(gantry):\n    yield gantry.wait(30)\n    1 / 0\n")
     (folder / "t.yaml").write_text(ALONE.format(controller=f"{name}:go", repeat="false"))
     done = in_a_process("run", "t.yaml", "--out", "out", cwd=folder)
@@ -212,9 +212,9 @@ def test_the_command_keeps_the_recording_of_a_run_that_fails(controller):
     assert "line 3): ZeroDivisionError: division by zero" in done.stderr
     assert "Traceback" not in done.stderr
     events = (folder / "out" / "events.jsonl").read_text()
-    kept = [json.loads(line) for line in events.splitlines()]
-    assert kept[0]["kind"] == "trial_started"
-    assert kept[-1]["t"] == 30.0
+    recorded_events = [json.loads(line) for line in events.splitlines()]
+    assert recorded_events[0]["kind"] == "trial_started"
+    assert recorded_events[-1]["t"] == 30.0
     summary = json.loads((folder / "out" / "summary.json").read_text())
     assert summary["interrupted"] is True
 

@@ -1,4 +1,4 @@
-"""Results do not depend on what a process keeps between runs on one floor."""
+"""Results do not depend on the caches that a process has for a floor."""
 
 import hashlib
 import json
@@ -16,7 +16,7 @@ CODE = "import sys, sim; sys.path.insert(0, 'tests/test_sim'); import test_groun
 
 
 def digest(trial):
-    """A digest of all that a run has but what it cost."""
+    """Return a digest of a run without its costs."""
     run = sim.run(trial)
     cost = ("cpu_seconds", "realtime_factor")
     summary = {key: value for key, value in run.summary.items() if key not in cost}
@@ -25,7 +25,7 @@ def digest(trial):
 
 
 def trials():
-    """Runs that plan on the same floor, of another size of person, and on another floor."""
+    """Return trials on the same floor, with another size of person, and on another floor."""
     curious = sim.Trial.load(ROOT / "examples" / "two_people.trial.yaml")
     wide = replace(curious, people=tuple(replace(p, radius=0.4) for p in curious.people))
     return [
@@ -40,7 +40,7 @@ def tell():
     print(digest(trials()[-1]))
 
 
-def test_a_run_after_others_is_as_in_a_fresh_process():
+def test_a_run_after_others_equals_one_in_a_fresh_process():
     *others, last = trials()
     for trial in others:
         sim.run(trial)
@@ -49,7 +49,7 @@ def test_a_run_after_others_is_as_in_a_fresh_process():
     assert [digest(last), digest(last)] == fresh.stdout.split() * 2
 
 
-def test_worlds_on_one_floor_share_what_the_floor_decides():
+def test_worlds_on_one_floor_share_roadmaps_and_spaces():
     plan = sim.Trial.load("ariac2023").floorplan
     one, other = (navigation.PathPlanner(navigation.CollisionWorld(plan), 0.3) for _ in range(2))
     assert one.roadmap() is other.roadmap()
@@ -57,7 +57,7 @@ def test_worlds_on_one_floor_share_what_the_floor_decides():
     assert one.world.fixed_space(0.3) is other.world.fixed_space(0.3)
 
 
-def test_only_the_last_few_are_kept():
+def test_only_recent_spaces_stay_cached():
     plan = sim.Trial.load("ariac2023").floorplan
     world = navigation.CollisionWorld(plan)
     spaces = [world.fixed_space(0.3 + k / 100) for k in range(40)]
@@ -68,13 +68,13 @@ def test_only_the_last_few_are_kept():
 
 def test_threads_share_nothing():
     world = navigation.CollisionWorld(sim.Trial.load("ariac2023").floorplan)
-    found = []
+    spaces = []
 
     def look():
         fresh = navigation.CollisionWorld(world.plan)
-        found.append(fresh.fixed_space(0.3))
+        spaces.append(fresh.fixed_space(0.3))
 
     thread = threading.Thread(target=look)
     thread.start()
     thread.join()
-    assert found[0] is not world.fixed_space(0.3)
+    assert spaces[0] is not world.fixed_space(0.3)

@@ -1,4 +1,4 @@
-"""Protective fields in trials: they stop and slow machines, whatever these are told."""
+"""Protective fields in trials stop and slow machines, regardless of commands."""
 
 import math
 import textwrap
@@ -62,7 +62,7 @@ FRONT, RADIUS = 2.5, 0.3
 
 
 def trial(people="[]", more="missions: [{go: east}]", fields=FIELDS, keys="", folder=".", at=3.0):
-    """A vehicle on its way east, on y = 3."""
+    """Return a trial with a vehicle that drives east on y = 3."""
     text = f"""
     duration: 60
     rules: observe
@@ -83,7 +83,7 @@ ONLY_PROTECTIVE = FIELDS[: FIELDS.index("      warning")]
 
 
 def from_field(run, t):
-    """Return the distance of the person from the protective field on their left and ahead."""
+    """Return the distance of the person from the protective field on the left and ahead."""
     eve, fork = (run.motions[name].position(t) for name in ("eve", "fork"))
     ahead, beside = eve - fork - [FRONT, 0.8]
     return math.hypot(max(0.0, ahead), max(0.0, beside))
@@ -149,7 +149,7 @@ def test_a_controller_that_ends_the_stop_ends_the_run(tmp_path):
 def test_the_warning_field_limits_the_speed(tmp_path, name):
     (tmp_path / "mine.py").write_text(CONTROLLERS)
     more = f"controller: 'mine:{name}', rate: 10" if name else "missions: [{go: east}]"
-    # They stand beside the course, so that only the warning field touches them.
+    # The person stands beside the course, so that only the warning field reaches them.
     fields = FIELDS.replace("[[4.5, 0.8]", "[[4.5, 2.0]")
     run = sim.run(trial(standing(15, 4.5), more, fields, folder=tmp_path))
     motion = run.motions["fork"]
@@ -410,19 +410,19 @@ def test_fields_can_be_given_in_python_and_are_written(tmp_path):
     square = ((2.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (2.0, -1.0))
     slow = navigation.FieldSet(name="slow", protective=square, linear=(-math.inf, 0.5))
     turned = navigation.FieldSet(name="turned", protective=square, theta=(0.1, 1.0), load=False)
-    given = sim.MachineFields(
+    fields = sim.MachineFields(
         sets=(slow, turned), muting=sim.Muting(times=((1.0, 2.0), (4.0, math.inf)))
     )
     text = trial(fields="").to_yaml(tmp_path)
     made = sim.Trial.parse(text, folder=tmp_path)
-    made = replace(made, fields={"fork": given})
+    made = replace(made, fields={"fork": fields})
     again = sim.Trial.parse(made.to_yaml(tmp_path), folder=tmp_path)
     assert again.fields["fork"].sets[1] == turned
     assert again.fields["fork"].sets[0].linear == (-1e10, 0.5)
-    assert again.fields["fork"].muting == given.muting
+    assert again.fields["fork"].muting == fields.muting
     runs = [sim.run(one) for one in (again, made)]
-    found = [[event for event in run.events if event["kind"] != "notice"] for run in runs]
-    assert found[0] == found[1]
+    recorded_events = [[event for event in run.events if event["kind"] != "notice"] for run in runs]
+    assert recorded_events[0] == recorded_events[1]
 
 
 CORNERS = "[[2, 1], [-2, 1], [-2, -1], [2, -1]]"

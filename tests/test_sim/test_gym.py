@@ -72,7 +72,7 @@ def test_several_machines_pass_the_checkers_of_pettingzoo():
     parallel_seed_test(partial(ParallelFloorEnv, PAIR), num_cycles=10)
 
 
-def test_a_seed_decides_an_episode_whatever_ran_before():
+def test_a_seed_determines_an_episode_regardless_of_earlier_ones():
     env, other = FloorEnv(observation="flat"), FloorEnv(observation="flat")
     episode(other, towards_goal, 1)
     first, second = (episode(one, towards_goal, 5) for one in (env, other))
@@ -164,7 +164,7 @@ def test_an_onnx_file_may_choose_discrete_actions(tmp_path):
     interface = Interface(people=0, rays=8)
     linear_policy(tmp_path / "policy.onnx", interface, outputs=9, discrete=True)
     run = sim.run(trial_with("policy.onnx", tmp_path))
-    # The fifth of the nine actions stands still; 0, the first, is both backwards.
+    # The fifth of the nine actions is no motion, and the first is both components backwards.
     xs = [run.motions["bot"].position(t)[0] for t in np.linspace(0.0, 60.0, 20)]
     assert max(xs) - min(xs) > 0.1
     linear_policy(tmp_path / "policy.onnx", interface, outputs=12, discrete=True)
@@ -216,7 +216,7 @@ def test_a_scan_measures_the_floor_machines_and_people():
             assert measured == pytest.approx(nearest, abs=1e-3)
 
 
-def test_observed_people_stand_where_they_are_and_the_nearest_come_first():
+def test_people_are_observed_at_their_positions_and_the_nearest_first():
     env = FloorEnv(AMR, people=3)
     observation, _ = env.reset(seed=2)
     x, y, c, s = observation["self"][:4]
@@ -297,7 +297,7 @@ def test_a_bad_argument_is_named(keys, word):
         FloorEnv(**{"trial": AMR, **keys})
 
 
-def test_a_reset_without_a_possible_start_says_why():
+def test_a_reset_without_a_possible_start_states_the_reason():
     env = FloorEnv(AMR)
     inside = Choice(((-2.0, -1.0, 0.0),))
     env.episodes.study = replace(env.episodes.study, random={variable("machines.bot.at"): inside})

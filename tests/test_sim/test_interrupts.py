@@ -1,4 +1,4 @@
-"""Interrupts of controllers: whenever they come, nothing is lost and no step counts twice."""
+"""Interrupts of controllers: at any time, no part is lost and no step counts twice."""
 
 import itertools
 from collections import Counter
@@ -142,7 +142,7 @@ CONTROLLERS = [
 
 
 def run(controller, interrupts, trial=TRIAL):
-    """The run in which these interrupts, (seconds, reason), come on top of the trial's own."""
+    """Return the run with additional interrupts (seconds, reason)."""
     gantry = replace(trial.gantry, controller=controller)
     simulation = sim.Simulation(replace(trial, gantry=gantry))
     for t, reason in interrupts:
@@ -152,7 +152,7 @@ def run(controller, interrupts, trial=TRIAL):
 
 
 def stays(run):
-    """Places where the gantry stood, with begin and end."""
+    """Return the places where the gantry stood, with begin and end (s)."""
     pieces = run.motions["gantry"].pieces
     moving = [p for p in pieces if any(p.x[1:]) or any(p.y[1:]) or any(p.rotation[1:])]
     begins = [0.0, *(piece.end for piece in moving)]
@@ -165,7 +165,7 @@ def stays(run):
 
 
 def stood(run, place, until):
-    """The longest time before `until` (seconds) for which the gantry stood at a place."""
+    """Return the longest time (s) before `until` for which the gantry stood at a place."""
     return max(
         min(end, until) - begin
         for at, begin, end in stays(run)
@@ -182,7 +182,7 @@ PLACES = {
 
 
 def check_every_step_was_done_once(run):
-    """Each part was taken and put down by a hand that had the two seconds it needs."""
+    """Require that the gantry stood two seconds at each part that it picked or placed."""
     done = events(run, "job_done")
     assert [event["part"] for event in done] == ["first", "second", "third"]
     for event in done:
@@ -216,7 +216,7 @@ def test_no_interrupt_breaks_a_controller_or_counts_a_step_twice(controller, int
 
 
 @given(bursts)
-def test_none_comes_while_one_is_handled_and_none_is_lost(interrupts):
+def test_no_interrupt_comes_while_another_is_handled_and_none_is_lost(interrupts):
     got = []
 
     def controller(gantry):
@@ -233,12 +233,12 @@ def test_none_comes_while_one_is_handled_and_none_is_lost(interrupts):
     times = [t for t, _ in got]
     assert all(later - earlier > 2.0 - 1e-9 for earlier, later in itertools.pairwise(times))
     for t, reason in interrupts:
-        # Before it there may be the one that is handled then, and one of each other reason.
+        # The current interrupt, and one of each other reason, may come first.
         assert any(t <= at <= t + 6.0 + 1e-9 and cause == reason for at, cause in got)
     assert Counter(reason for _, reason in got) <= Counter(reason for _, reason in interrupts)
 
 
-def test_an_interrupt_that_nothing_catches_is_reported_as_such():
+def test_an_uncaught_interrupt_is_reported():
     def controller(gantry):
         asks(gantry)
         yield gantry.wait(100.0)
@@ -247,7 +247,7 @@ def test_an_interrupt_that_nothing_catches_is_reported_as_such():
         run(controller, [(3.0, "disabled")])
 
 
-def test_what_takes_the_place_of_a_command_ends_it_undone():
+def test_a_replaced_command_ends_unfinished():
     values = []
 
     def controller(gantry):
@@ -269,5 +269,5 @@ def test_what_takes_the_place_of_a_command_ends_it_undone():
 
     result = run(controller, [])
     assert values == [False, False, True, False, 1, True]
-    # Moving, and three times two seconds of handling of which one was broken off after 1.9 s.
+    # The gantry moves and handles three times for two seconds. One of these ends after 1.9 s.
     assert result.summary["gantry_idle_time"] < result.duration - 1.9 - 2.0 - 2.0

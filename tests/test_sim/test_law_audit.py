@@ -1,4 +1,4 @@
-"""Rule sets whose laws count on shorter stops than the machines on the floor may take."""
+"""Rule sets whose laws assume shorter stops than the machines on the floor may need."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -24,17 +24,17 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def audited(**laws):
-    """The machines in the summary's audit, with their figures, under these laws."""
+    """Return the machines in the summary's audit, with their figures, under these laws."""
     trial = sim.Trial(PLAN, duration=1.0, rules=replace(sim.RULE_SETS["ariac2023"], **laws))
     audit = sim.run(trial).summary["law_audit"]
-    return {found["machine"]: found for found in audit}
+    return {entry["machine"]: entry for entry in audit}
 
 
 def test_the_summary_has_the_stop_of_the_law_and_of_the_machine():
-    found = audited()
-    assert found.keys() == {"gantry"}
+    entries = audited()
+    assert entries.keys() == {"gantry"}
     stop = navigation.SeparationLaw.for_machine(PLAN.gantry, t1=1.0)
-    assert found["gantry"] == {
+    assert entries["gantry"] == {
         "machine": "gantry",
         "law": "gantry_law",
         "t2": 1.5,
@@ -79,9 +79,9 @@ def test_a_distance_contains_the_stop_and_the_walk_of_a_person_meanwhile():
     needed = PLAN.human.max_speed * stop.t2 + stop.stopping
     top = audited(gantry_law=Grows(1.0))["gantry"]["distance"]
     for law in (navigation.FixedDistance, lambda metres: Grows(metres / top)):
-        found = audited(gantry_law=law(needed - 0.01))["gantry"]
-        assert found["needed_distance"] == pytest.approx(needed)
-        assert found["distance"] == pytest.approx(needed - 0.01)
+        entry = audited(gantry_law=law(needed - 0.01))["gantry"]
+        assert entry["needed_distance"] == pytest.approx(needed)
+        assert entry["distance"] == pytest.approx(needed - 0.01)
         assert audited(gantry_law=law(needed + 1e-6)) == {}
 
 
@@ -147,7 +147,7 @@ def test_the_scoring_laws_of_the_competition_are_no_protection(
     assert "cart" in floorwalker("check", str(path)).stderr
 
 
-def test_a_run_says_it_in_one_figure():
+def test_a_run_reports_the_audit_in_one_figure():
     run = sim.run(replace(sim.Trial.load("ariac2023"), duration=1.0))
     said = [value for _, value in figures_in_words(run.summary) if "vehicles" in value]
     assert said == ["gantry, 4 vehicles"]

@@ -61,7 +61,7 @@ def test_a_page_is_served_to_this_machine_only():
 
 
 def _other_address():
-    """An address of this machine that is not loopback's 127.0.0.1."""
+    """Return an address of this machine other than 127.0.0.1."""
     return "127.0.0.2"
 
 
@@ -75,14 +75,14 @@ def test_head_is_answered_with_the_headers_alone():
         assert get(server, "/", "HEAD", Host="evil.example").status == 403
 
 
-def test_a_port_that_is_taken_is_said():
+def test_an_occupied_port_is_reported():
     with PageServer(lambda: "") as server:
         port = urllib.parse.urlsplit(server.url).port
         with pytest.raises(OSError, match=f"can't serve at 127.0.0.1:{port}: "):
             PageServer(lambda: "", port=port)
 
 
-def test_a_late_reader_gets_every_message_and_one_who_comes_back_the_rest():
+def test_a_late_reader_gets_every_message_and_a_returning_one_the_rest():
     stream = MessageStream()
     for k in range(3):
         stream.send(json.dumps(k))
@@ -161,20 +161,20 @@ def watched(trial, speed, meanwhile=lambda server: None):
 
 def test_a_watched_run_is_the_same_run():
     trial = sim.Trial.parse(TRIAL)
-    run, told = watched(trial, speed=100.0)
+    run, sent = watched(trial, speed=100.0)
     plain = sim.run(trial)
     assert run.events == plain.events
-    events = [data["event"] for kind, data in told if kind == "message" and "event" in data]
+    events = [data["event"] for kind, data in sent if kind == "message" and "event" in data]
     assert events == list(run.events)
-    kind, whole = told[-1]
+    kind, whole = sent[-1]
     assert kind == "finished"
     assert whole["events"] == list(run.events)
 
 
-def test_the_plans_that_are_told_add_up_to_the_motions():
-    run, told = watched(sim.Trial.parse(TRIAL), speed=100.0)
+def test_the_published_plans_add_up_to_the_motions():
+    run, sent = watched(sim.Trial.parse(TRIAL), speed=100.0)
     pieces = {name: [] for name in run.motions}
-    for kind, data in told:
+    for kind, data in sent:
         if kind == "message" and "motion" in data:
             mine, new = pieces[data["motion"]["body"]], data["motion"]["pieces"]
             while mine and mine[-1][0] >= new[0][0]:
@@ -192,7 +192,7 @@ def test_the_plans_that_are_told_add_up_to_the_motions():
 
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, float("inf"), float("nan")])
-def test_a_speed_that_makes_no_sense_is_refused(speed):
+def test_an_invalid_speed_is_rejected(speed):
     with pytest.raises(ValueError, match="speed must be more than 0"):
         sim.LiveRun(10.0, speed=speed)
 
@@ -232,7 +232,7 @@ def controlled(trial, recording, live, script):
         return run
 
 
-def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
+def test_commands_from_the_page_repeat_from_a_file(tmp_path):
     trial = sim.Trial.parse(TRIAL)
     box = {"x": [-12.0, -11.0], "y": [1.0, 3.0]}
     answers = []
@@ -327,7 +327,7 @@ def test_the_browser_follows_the_run_and_gets_all_of_it(open_address):
 
 
 @pytest.mark.slow
-def test_looking_back_while_it_goes_on(open_address):
+def test_a_viewer_can_look_back_while_the_run_continues(open_address):
     trial = sim.Trial.parse(TRIAL)
     hand = Hand()
     live = sim.LiveRun(trial.duration, speed=10.0, now=hand)
@@ -368,7 +368,7 @@ def test_looking_back_while_it_goes_on(open_address):
 
 
 @pytest.mark.slow
-def test_the_page_interferes_with_the_run(open_address):
+def test_the_page_commands_the_run(open_address):
     trial = sim.Trial.parse(TRIAL.replace("duration: 40", "duration: 4000"))
     hand = Hand()
     live = sim.LiveRun(trial.duration, speed=2.0, now=hand)
@@ -470,8 +470,8 @@ def test_the_page_interferes_with_the_run(open_address):
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
-def test_a_page_with_control_can_be_used_by_everybody(open_address, axe, scheme):
-    """By the rules of axe-core, with a box that is put down by keyboard."""
+def test_a_page_with_control_is_accessible(open_address, axe, scheme):
+    """The rules are those of axe-core. A box is placed by keyboard."""
     trial = sim.Trial.parse(TRIAL)
     live = sim.LiveRun(trial.duration)
     with live.server as server:
@@ -484,8 +484,8 @@ def test_a_page_with_control_can_be_used_by_everybody(open_address, axe, scheme)
             viewer.page.keyboard.press("Enter")
             viewer.page.locator("#placing").focus()
             viewer.page.keyboard.press("ArrowLeft")
-            found = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
-            assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in found["violations"]] == []
+            report = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
+            assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in report["violations"]] == []
 
 
 @pytest.mark.parametrize("speed", [20.0, 0.0])
@@ -532,7 +532,7 @@ def test_a_run_on_the_bridge_has_a_page_too(speed):
     ]
 
 
-def test_ctrl_c_keeps_what_was_recorded(tmp_path):
+def test_ctrl_c_retains_the_recording(tmp_path):
     arguments = ["run", "--duration", "1e6", "--watch", "--no-open", "--speed", "20"]
     process = started(*arguments, "--out", "run", cwd=tmp_path)
     assert process.stderr.readline().startswith("The run is shown live at http://127.0.0.1:")
@@ -547,7 +547,7 @@ def test_ctrl_c_keeps_what_was_recorded(tmp_path):
     assert (tmp_path / "run" / "replay.html").exists()
 
 
-def test_replay_serves_until_it_is_told_to_stop(tmp_path):
+def test_replay_serves_until_an_interrupt(tmp_path):
     record(sim.Trial.parse(TRIAL), tmp_path / "run")
     process = started("replay", "run", "--serve", "--no-open", cwd=tmp_path)
     url = process.stdout.readline().strip()

@@ -22,7 +22,7 @@ expect: {{parts_dropped: {dropped}}}
 
 @pytest.mark.parametrize("controller", ["oblivious", "pausing", "avoiding"])
 @pytest.mark.parametrize("delay", [0.0, 1.5, 3.0])
-def test_a_job_whose_part_drops_is_done_again(controller, delay):
+def test_a_job_with_a_dropped_part_is_repeated(controller, delay):
     text = JOBS.format(controller=controller, after=1, delay=delay, dropped=1)
     trial = sim.Trial.parse(text)
     assert sim.Trial.parse(trial.to_yaml()) == trial
@@ -31,14 +31,14 @@ def test_a_job_whose_part_drops_is_done_again(controller, delay):
     first, second = events(run, "job_done")
     assert run.unmet == [] and run.summary["jobs_done"] == 2
     assert first["t"] < dropped["t"] < second["t"] and dropped["part"] == "pump"
-    # It has gone back for another: at least the way from where it dropped, and all handling.
+    # The gantry fetched another part, at least from the place of the drop and with all handling.
     sure = sim.run(replace(trial, gantry=replace(trial.gantry, drops=()), expect={}))
     late = second["t"] - events(sure, "job_done")[1]["t"]
     assert late >= 2.0 + delay - 1e-6
     assert "parts_dropped" not in sure.summary
 
 
-def test_a_part_that_is_placed_before_it_would_drop_does_not(tmp_path):
+def test_a_part_that_is_placed_in_time_does_not_drop(tmp_path):
     run = sim.run(sim.Trial.parse(JOBS.format(controller="pausing", after=0, delay=90, dropped=0)))
     assert not events(run, "part_dropped") and run.unmet == []
 
@@ -58,7 +58,7 @@ def test_a_controller_is_interrupted_by_a_drop(tmp_path):
     alert = sim.run(sim.Trial.parse(text, folder=tmp_path))
     plain = sim.run(sim.Trial.parse(text.replace("alert:alert", "oblivious")))
     assert alert.unmet == [] and alert.summary["jobs_done"] == 2
-    # It turns round at once, and does not go all the way to the AGV first.
+    # The gantry turns back at once, and does not drive to the AGV first.
     ends = [events(run, "job_done")[0]["t"] for run in (alert, plain)]
     assert ends[0] < ends[1]
 
@@ -101,7 +101,7 @@ def made(slots, challenges="[]", faulty="[]", kind="kitting"):
 
 @pytest.mark.parametrize("kind", ["kitting", "combined"])
 @pytest.mark.parametrize("delay", [0.5, 3.0])
-def test_an_order_gets_another_part_for_one_that_drops(kind, delay):
+def test_an_order_gets_another_part_for_a_dropped_part(kind, delay):
     run, order = made([1, 2], DROP % (0, delay), kind=kind)
     assert run.summary["parts_dropped"] == 1
     assert order["score"] == order["best"] and order["missing"] == []
@@ -116,10 +116,10 @@ def test_an_order_gets_another_part_for_one_that_drops(kind, delay):
 def test_a_faulty_part_of_a_kit_is_thrown_away_for_another(challenges, faulty):
     good, _ = made([1, 2])
     run, order = made([1, 2], challenges, faulty)
-    (found,) = events(run, "part_faulty")
-    assert (found["part"], found["agv"], found["quadrant"]) == ("red pump", "agv1", 1)
+    (fault,) = events(run, "part_faulty")
+    assert (fault["part"], fault["agv"], fault["quadrant"]) == ("red pump", "agv1", 1)
     assert run.summary["parts_faulty"] == 1 and order["score"] == order["best"]
-    # Picked, thrown away, picked and placed: 8 s of handling more, and the ways.
+    # Picking, disposing, picking and placing take 8 s more, plus the drives.
     assert order["submitted"] > good.summary["orders"]["KIT"]["submitted"] + 8.0
     run, order = made([1], challenges, faulty)
     assert order["missing"] == ["red pump"] and order["score"] == 3 + 3  # tray and sensor

@@ -1,4 +1,4 @@
-"""Machines of any kind: one that the library does not know, several gantries, an AGV of a trial."""
+"""Machines of any kind: a custom kind, several gantries, an AGV of a trial."""
 
 import json
 import re
@@ -35,7 +35,7 @@ machines:
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """The example of a kind of one's own, run and recorded."""
+    """The run of the example of a custom kind, and its recording."""
     folder = tmp_path_factory.mktemp("tugger")
     run = record(sim.Trial.load(EXAMPLES / "tugger.trial.yaml"), folder)
     return run, folder
@@ -110,7 +110,7 @@ def test_a_custom_kind_is_plotted_and_exported(recorded, tmp_path):
     assert b"train" in (tmp_path / "run.mcap").read_bytes()
 
 
-def test_people_see_a_custom_kind_and_walk_around_it(tmp_path):
+def test_people_see_a_custom_machine_and_walk_around_it(tmp_path):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     (tmp_path / "looks.asl").write_text(
         '+human_start <- ?machine(train, Kind, X, Y, V); .print(Kind, " ", X, " ", Y);'
@@ -142,9 +142,11 @@ machines:
 def test_a_protective_stop_holds_a_custom_kind(recorded):
     run, _ = recorded
     stopped = sim.run(replace(run.trial, rules=sim.RULE_SETS["protective_stop"], expect={}))
-    held = [e for e in stopped.events if e["kind"] == "protective_stop" and e["machine"] == "train"]
-    assert held
-    for event in held:
+    stops = [
+        e for e in stopped.events if e["kind"] == "protective_stop" and e["machine"] == "train"
+    ]
+    assert stops
+    for event in stops:
         stop = 1.2 / 0.6
         assert stopped.motions["train"].state(event["t"] + stop).speed < 1e-5
 
@@ -324,14 +326,14 @@ def test_several_gantries_work_on_one_floor(rules):
 
 
 def test_the_minimum_separation_is_to_the_nearest_of_several_gantries():
-    """The one that comes first is near them, and the other is far away."""
+    """The first gantry is near the person, and the second is far away."""
     text = TWO_GANTRIES.format(rules="observe").replace("{name: ada", "{name: ada, at: [-3, 0]")
     run = sim.run(sim.Trial.parse(text.replace("duration: 60", "duration: 3")))
     t = np.linspace(0.0, 3.0, 3001)
     least = min(run.distance("ada", name, t).min() for name in ("gantry", "north"))
-    found = run.summary["people"]["ada"]["minimum_separation"]
-    assert found["distance"] == pytest.approx(least, abs=1e-3)
-    assert run.summary["minimum_separation"] == found
+    separation = run.summary["people"]["ada"]["minimum_separation"]
+    assert separation["distance"] == pytest.approx(least, abs=1e-3)
+    assert run.summary["minimum_separation"] == separation
 
 
 def test_a_trial_adds_an_agv_and_a_law():
@@ -385,7 +387,7 @@ machines:
     assert sim.Trial.parse(made.to_yaml()).agvs == one.agvs
 
 
-def test_nothing_happens_before_the_start():
+def test_no_event_comes_before_the_start():
     heard = []
 
     class Ears(sim.Listener):

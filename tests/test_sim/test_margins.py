@@ -1,4 +1,4 @@
-"""Least margins of runs, against dense sampling; and the slack of every expectation."""
+"""Minimum margins of runs against dense sampling, and the slack of every expectation."""
 
 import math
 import random
@@ -19,10 +19,10 @@ from sim.trials import slack
 from sim.trials.timeline import NumberCondition
 
 DENSE = 0.01
-"""Seconds between the instants of a sampled margin."""
+"""Interval of the samples of a margin (s)."""
 
 TOLERANCE = 0.03
-"""Metres by which a sampled margin may be above the least: what happens within `DENSE`."""
+"""Excess (m) of a sampled margin over the minimum, which may lie between samples."""
 
 LAWS = {
     "linear": "{gantry_law: {iso_ts_15066: {t1: 0.3, t2: 0.4, intrusion: 0.5}},"
@@ -35,7 +35,7 @@ LAWS = {
 
 
 def trial(seed, law, controller="oblivious"):
-    """A trial with two people and everything that moves, drawn from a seed."""
+    """Return a trial with two people and all kinds of machines, drawn from a seed."""
     rng = random.Random(seed)
     times = sorted(round(rng.uniform(0, 50), 2) for _ in range(2))
     personalities = [rng.choice(("helpful", "indifferent", "antagonistic")) for _ in range(2)]
@@ -58,7 +58,7 @@ agvs: {{agv1: [{{time: {times[1]}, to: assembly_front}}]}}
 
 
 def sampled(run, person, machine, spans):
-    """The least margin at dense instants of some spans, but for the instants of jumps."""
+    """Return the minimum margin at dense times of some spans, except near jumps."""
     least = math.inf
     jumps = [*run.motions[person].jumps]
     for begin, end in spans:
@@ -81,22 +81,22 @@ def spans_of(run, person, machine, *, moving):
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("seed", range(6))
-def test_the_least_margin_is_that_of_dense_sampling(law, seed):
+def test_the_minimum_margin_equals_dense_sampling(law, seed):
     run = sim.run(sim.Trial.parse(trial(seed, LAWS[law])))
     pairs = [(p.name, m.name) for p in run.scene.people for m in run.scene.machines]
     for key, moving in (("least_margin", False), ("least_margin_moving", True)):
-        found = run.summary[key]
+        recorded = run.summary[key]
         least = min(
             sampled(run, person, machine, spans_of(run, person, machine, moving=moving))
             for person, machine in pairs
         )
-        if found is None:
+        if recorded is None:
             assert least == math.inf
             continue
-        assert found["value"] <= least + 1e-6
-        assert found["value"] >= least - TOLERANCE
-        spans = spans_of(run, found["person"], found["machine"], moving=moving)
-        assert any(begin - 1e-6 <= found["time"] <= end + 1e-6 for begin, end in spans)
+        assert recorded["value"] <= least + 1e-6
+        assert recorded["value"] >= least - TOLERANCE
+        spans = spans_of(run, recorded["person"], recorded["machine"], moving=moving)
+        assert any(begin - 1e-6 <= recorded["time"] <= end + 1e-6 for begin, end in spans)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -128,15 +128,15 @@ def test_a_recorded_requirement_encloses_its_curve_and_takes_the_right_side_of_a
     rng = random.Random(1)
     for _ in range(300):
         begin, end = sorted((rng.uniform(0, 6), rng.uniform(0, 6)))
-        found = law.required(None, begin, end)
+        bound = law.required(None, begin, end)
         middle = (begin + end) / 2
         for t in np.linspace(begin, np.nextafter(end, begin), 60):
             exact = law.required(None, t, t).value
-            assert abs(exact - found.value - found.slope * (t - middle)) <= found.slack + 1e-9
+            assert abs(exact - bound.value - bound.slope * (t - middle)) <= bound.slack + 1e-9
 
 
 @pytest.mark.parametrize(
-    ("wanted", "found", "amount"),
+    ("condition", "value", "amount"),
     [
         (3, 3, 0.0),
         (3, 5, -2.0),
@@ -152,8 +152,8 @@ def test_a_recorded_requirement_encloses_its_curve_and_takes_the_right_side_of_a
         ("> 1, < 4", 3.5, pytest.approx(0.5)),
     ],
 )
-def test_slack_of_numbers(wanted, found, amount):
-    assert NumberCondition.parse(wanted).slack(found) == amount
+def test_the_slack_of_a_number_is_its_distance_to_the_bound(condition, value, amount):
+    assert NumberCondition.parse(condition).slack(value) == amount
 
 
 def test_the_slack_of_a_number_is_negative_exactly_where_it_does_not_pass():
@@ -166,7 +166,7 @@ def test_the_slack_of_a_number_is_negative_exactly_where_it_does_not_pass():
         assert (condition.slack(value) < 0) == (not condition.passes(value))
 
 
-def test_the_slack_of_visits_counts_what_is_wrong():
+def test_the_slack_of_visits_counts_the_differences():
     came = ["a", "b", "a"]
     assert slack.of_visits(came, ["a", "c"], "begin_with") == -1
     assert slack.of_visits(came, ["a", "b"], "begin_with") == 0
@@ -269,7 +269,7 @@ def test_least_margins_are_of_the_spans_that_count():
     assert (overall.value, overall.machine) == (pytest.approx(1.0), "near")
     assert (moving.value, moving.machine) == (pytest.approx(2.0), "cart")
     assert least_margins([beside(walk, far, [], [])]) == (None, None)
-    # The least of all is while it stands; while it moves another one is nearer.
+    # The overall minimum is at rest. During motion, another machine is nearer.
     back = navigation.vehicle_segment((3.0, 0.0, 0.0), (9.0, 0.0), 5.0)
     other = navigation.vehicle_segment((9.0, 1.0, math.pi), (3.5, 1.0))
     pair = [
@@ -294,7 +294,7 @@ def test_a_margin_that_is_just_negative_stays_negative_in_the_summary():
 
 
 @pytest.mark.parametrize(
-    ("wanted", "found", "amount"),
+    ("condition", "value", "amount"),
     [
         ("!= 2", 2.0, -math.ulp(2.0)),
         ("!= 2.5", 2.5, -math.ulp(2.5)),
@@ -309,8 +309,8 @@ def test_a_margin_that_is_just_negative_stays_negative_in_the_summary():
         ("<= 3", 2, 1.0),
     ],
 )
-def test_slack_of_whole_and_other_numbers(wanted, found, amount):
-    assert NumberCondition.parse(wanted).slack(found) == pytest.approx(amount, rel=1e-9, abs=0.0)
+def test_slack_of_whole_and_other_numbers(condition, value, amount):
+    assert NumberCondition.parse(condition).slack(value) == pytest.approx(amount, rel=1e-9, abs=0.0)
 
 
 def test_a_slack_has_the_sign_of_its_verdict():

@@ -1,4 +1,4 @@
-"""Measured crowds: everybody in a file, each on the floor only while tracked."""
+"""Measured crowds: all people in a file, each on the floor only while tracked."""
 
 import h5py
 import numpy as np
@@ -22,12 +22,12 @@ def written(folder, name, rows, header=""):
 
 
 def walk(body, begin, end, at, speed=1.0, step=0.5):
-    """Rows t, body, x, y of a walk along x."""
+    """Return rows t, body, x, y of a walk along x."""
     times = np.arange(begin, end + 1e-9, step)
     return [f"{t:g},{body},{at[0] + speed * (t - begin):g},{at[1]:g}" for t in times]
 
 
-def test_a_person_whose_track_begins_late_stands_until_then(tmp_path):
+def test_a_person_stands_still_before_the_begin_of_their_track(tmp_path):
     written(tmp_path, "late.csv", walk("eve", 10.0, 15.0, (2.0, 3.0)), "t,name,x,y\n")
     run = run_of(tmp_path, "[{name: eve, recorded: late.csv}]")
     places = run.motions["eve"].position(np.array([0.0, 9.9, 10.0, 15.0, 30.0]))
@@ -35,7 +35,7 @@ def test_a_person_whose_track_begins_late_stands_until_then(tmp_path):
     assert run.presence["eve"] == (0.0, 30.0)
 
 
-def test_a_motion_that_begins_late_stands_until_then():
+def test_a_motion_is_stationary_before_its_begin():
     from navigation import Motion
 
     walk = Motion.from_samples([8.0, 9.0, 10.0], [[2, 3], [3, 3], [4, 3]])
@@ -107,11 +107,11 @@ def test_a_crowd_is_recorded_and_exported_only_while_tracked(crowd, tmp_path):
         entry = f"[{{name: p, recorded: {{file: {file}, everybody: true}}}}]"
         again = run_of(tmp_path, entry)
         ends = [t for span in run.stays["p7"] for t in span]
-        found = again.stays.get("p_p7") or again.stays[name]
-        assert [t for span in found for t in span] == pytest.approx(ends, abs=0.11)
+        stays = again.stays.get("p_p7") or again.stays[name]
+        assert [t for span in stays for t in span] == pytest.approx(ends, abs=0.11)
 
 
-def test_people_made_in_python_are_everybody_too(crowd):
+def test_people_created_in_python_may_be_a_whole_crowd(crowd):
     read = sim.Trial.parse(HALL, folder=crowd)
     track = sim.RecordedTrack("crowd.csv", everybody=True)
     trial = sim.Trial(
@@ -143,7 +143,7 @@ def test_a_bad_body_of_a_crowd_is_named_with_its_line(crowd):
 
 
 def people_walking():
-    """Frames, bodies and places of five people who walk close beside each other, at 2.5 Hz."""
+    """Return frames, bodies and places of five people walking close together, at 2.5 Hz."""
     rng = np.random.default_rng(4)
     for k in range(5):
         for n in range(20):
@@ -153,7 +153,7 @@ def people_walking():
 
 @pytest.mark.parametrize("first", ["frame", "body"])
 @pytest.mark.parametrize("form", ["{:d}", "{:.1f}"])
-def test_frames_may_stand_before_or_after_the_body(tmp_path, first, form):
+def test_frames_may_precede_or_follow_the_body(tmp_path, first, form):
     rows = sorted(people_walking(), key=lambda row: row[:2] if first == "frame" else row[1::-1])
     lines = []
     for frame, body, x, y in rows:
@@ -166,7 +166,7 @@ def test_frames_may_stand_before_or_after_the_body(tmp_path, first, form):
     assert run.stays["person3"] == (pytest.approx((2.4, 10.0)),)
 
 
-def test_eight_columns_are_those_of_obsmat(tmp_path):
+def test_eight_columns_are_read_as_obsmat(tmp_path):
     rows = [f"{f:e} {b:e} {x:e} 0 {y:e} 0 0 0" for f, b, x, y in people_walking()]
     written(tmp_path, "obsmat.txt", rows)
     run = run_of(tmp_path, "[{recorded: {file: obsmat.txt, everybody: true, frame_rate: 25}}]")
@@ -214,7 +214,7 @@ def test_tracks_in_hdf5_are_read(tmp_path):
         ({"names": ("id", "frame", "u", "y")}, "no column x"),
     ],
 )
-def test_bad_hdf5_is_refused(tmp_path, wrong, words):
+def test_invalid_hdf5_is_rejected(tmp_path, wrong, words):
     hdf5(tmp_path / "run.h5", **wrong)
     with pytest.raises(sim.TrialError, match=words):
         run_of(tmp_path, "[{recorded: {file: run.h5, everybody: true}}]")

@@ -1,4 +1,4 @@
-"""Minds: what a person is told and believes, from outside or by a program, and what is recorded."""
+"""Agents of people: percepts, beliefs and their recording, with external code or a program."""
 
 import json
 
@@ -21,7 +21,7 @@ gantry: {at: [-5.0, 2.0, 0.0]}
 """
 
 
-def test_a_person_without_a_program_does_what_is_asked():
+def test_a_person_without_a_program_executes_actions_from_outside():
     simulation = sim.Simulation(sim.Trial.parse(OUTSIDE))
     (person,) = simulation.people
     simulation.advance(3.0)
@@ -34,7 +34,7 @@ def test_a_person_without_a_program_does_what_is_asked():
     assert arrived["t"] > 6.0
 
 
-def test_the_safe_zone_is_not_optional_for_somebody_outside():
+def test_an_external_agent_cannot_skip_the_safe_zone():
     simulation = sim.Simulation(sim.Trial.parse(OUTSIDE))
     (person,) = simulation.people
     simulation.advance(3.0)
@@ -45,7 +45,7 @@ def test_the_safe_zone_is_not_optional_for_somebody_outside():
     assert kinds.index("violation") < kinds.index("teleport")
 
 
-def test_percepts_of_an_external_mind_are_taken_in_order():
+def test_percepts_of_an_external_agent_are_processed_in_order():
     calls = []
     outside = Outside(called=lambda: calls.append(outside.take()))
     outside.advance(0.0)
@@ -58,7 +58,7 @@ def test_percepts_of_an_external_mind_are_taken_in_order():
     ]
 
 
-def test_only_the_latest_percept_of_a_kind_is_kept():
+def test_only_the_latest_percept_of_a_kind_is_retained():
     agent = bdi.Agent(bdi.parse(""))
     percepts = Percepts(agent)
     for _ in range(3):
@@ -69,7 +69,7 @@ def test_only_the_latest_percept_of_a_kind_is_kept():
     assert {str(percept) for percept in agent.percepts} == {"work_completed(2)", "at(1,2)"}
 
 
-def test_check_doubts_programs_of_people_that_do_not_do_what_they_say(tmp_path, floorwalker):
+def test_check_warns_of_unknown_percepts_and_actions_in_programs(tmp_path, floorwalker):
     (tmp_path / "shy.asl").write_text(
         '{ include("patrol.asl") }\n+gantry_detect(_) <- go_away; let_pass.\n+person_gone(W, _).'
     )
@@ -86,7 +86,7 @@ def test_check_doubts_programs_of_people_that_do_not_do_what_they_say(tmp_path, 
     ]
 
 
-def test_a_program_perceives_only_what_it_mentions():
+def test_a_program_receives_only_the_percepts_that_it_mentions():
     walker = bdi.parse("+human_start <- move(1, 2, 0).")
     assert mentioned(walker) == frozenset()
     assert mentioned(bdi.parse("p :- person_near(X, _). +!g : not wants_to_pass(_, _).")) == {
@@ -106,7 +106,7 @@ step(10).
 
 
 def watched(source, **options):
-    """An agent whose inspector writes into the list that comes with it."""
+    """Return an agent, its inspector, and the list into which the inspector writes."""
     thoughts = []
     inspector = MindInspector("me", thoughts.append)
     agent = bdi.Agent(
@@ -115,7 +115,7 @@ def watched(source, **options):
     return agent, inspector, thoughts
 
 
-def test_the_changes_add_up_to_what_the_agent_believes():
+def test_the_changes_add_up_to_the_beliefs_of_the_agent():
     agent, inspector, thoughts = watched(PROGRAM)
     for t in range(12):
         if t % 3 == 1:
@@ -156,7 +156,7 @@ def test_a_plan_is_reported_with_the_name_of_its_file_alone(folder):
     assert places == ["mine.asl:4", "mine.asl:7"]
 
 
-def test_a_thought_that_changes_nothing_is_not_told():
+def test_a_step_without_changes_is_not_reported():
     agent, inspector, thoughts = watched(PROGRAM)
     for t in (1.0, 2.0, 3.0):
         agent.advance(t)
@@ -164,7 +164,7 @@ def test_a_thought_that_changes_nothing_is_not_told():
     assert [thought["t"] for thought in thoughts] == [1.0]
 
 
-def test_minds_are_looked_into_only_if_somebody_wants_to_know(tmp_path):
+def test_agents_are_inspected_only_on_request(tmp_path):
     trial = sim.Trial.load("scene_antagonistic")
     assert sim.run(trial).thoughts == ()
     run = record(trial, tmp_path / "run")
@@ -172,16 +172,16 @@ def test_minds_are_looked_into_only_if_somebody_wants_to_know(tmp_path):
     assert [json.loads(line) for line in lines] == list(run.thoughts)
     assert sim.load_run(tmp_path / "run").thoughts == run.thoughts
     arrivals = [event["t"] for event in events(run, "arrived")]
-    told = [
+    arrived = [
         thought["t"]
         for thought in run.thoughts
         if any(step[1].startswith("+work_completed") for step in thought.get("steps", ()))
     ]
-    assert [t for t in told if t in arrivals]
-    assert set(told) <= set(arrivals)
+    assert [t for t in arrived if t in arrivals]
+    assert set(arrived) <= set(arrivals)
 
 
-def test_looking_into_minds_changes_nothing(tmp_path):
+def test_inspecting_agents_changes_no_result(tmp_path):
     trial = sim.Trial.load("scene_helpful")
     plain = sim.run(trial)
     recording = sim.Recording(tmp_path / "run")
@@ -232,17 +232,17 @@ def test_live_beliefs_are_those_of_the_time_of_the_query(tmp_path_factory, every
     assert moving > 5
 
 
-def test_a_mind_that_does_not_look_asks_nothing(monkeypatch):
-    asked = []
+def test_an_agent_without_belief_queries_computes_no_live_beliefs(monkeypatch):
+    queries = []
     live_beliefs = company.live_beliefs
 
     def counted(*bodies):
         return {
-            key: lambda key=key, source=source: asked.append(key) or source()
+            key: lambda key=key, source=source: queries.append(key) or source()
             for key, source in live_beliefs(*bodies).items()
         }
 
     monkeypatch.setattr(company, "live_beliefs", counted)
     run = sim.run(sim.Trial.load("ariac2023"))
     assert run.summary["people"]["operator"]["visits"]
-    assert run.thoughts == () and not asked
+    assert run.thoughts == () and not queries

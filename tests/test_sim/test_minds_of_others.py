@@ -1,4 +1,4 @@
-"""Minds among people: what they perceive of each other, and do for each other."""
+"""Agents among people: percepts of other people, and actions for them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ safe_zone: {at: [2, 2]}
 
 @pytest.fixture
 def meet(tmp_path):
-    """Runs people on a hall: each a program, and where they start."""
+    """Return a function that runs people in a hall, each with a program and a start."""
 
     def run(duration: float = 30.0, **people: tuple[str, tuple[float, float]]) -> sim.Run:
         entries = []
@@ -59,7 +59,7 @@ LOOK = """
 
 
 def test_a_passing_person_is_perceived_as_near_and_as_gone(meet):
-    """At the very instants at which the centres are 3.6 m and then 4.1 m apart."""
+    """The percepts come at the exact times at which the centres are 3.6 m and then 4.1 m apart."""
     run = meet(ada=(LOOK, (12, 6.5)), ben=(WALK, (2, 4)))
     (near, came), (gone, went) = said(run, "ada")
     assert (near, gone) == ("near ben 0", "gone ben 0") and came < went
@@ -76,12 +76,12 @@ def test_a_passing_person_is_perceived_as_near_and_as_gone(meet):
 
 
 def test_people_who_meet_perceive_each_other(meet):
-    told = '+{0}(Who, _) <- .print("{0} ", Who).'
+    report = '+{0}(Who, _) <- .print("{0} ", Who).'
     program = (
         WALK
         + "\n"
         + "\n".join(
-            told.format(percept) for percept in ("in_the_way", "gives_way", "wants_to_pass")
+            report.format(percept) for percept in ("in_the_way", "gives_way", "wants_to_pass")
         )
     )
     back = program.replace("22, 4", "2, 4")
@@ -91,8 +91,8 @@ def test_people_who_meet_perceive_each_other(meet):
     assert len(events(run, "met")) == sum("in_the_way" in text for text in seen)
 
 
-def test_letting_somebody_pass_is_a_stop_until_they_are_past(meet):
-    """The paths cross at a right angle; without the stop the two would be there at once."""
+def test_letting_a_person_pass_is_a_stop_until_they_have_passed(meet):
+    """The paths cross at a right angle. Without the stop, both would be there at the same time."""
     lets = "+human_start <- move(12, 7.5, 0); .wait(500); let_pass(ben)."
     run = meet(ada=(lets, (12, 0.5)), ben=(WALK.replace("22", "20"), (4, 4)))
     stands = next(t for t in np.arange(0.6, 20, 0.01) if run.motions["ada"].state(t).speed == 0)
@@ -109,7 +109,7 @@ def test_a_person_continues_after_the_patience_if_the_other_does_not_pass(meet):
     assert any(e["person"] == "ada" for e in events(run, "arrived"))
 
 
-def test_a_follower_stays_behind_until_it_does_something_else(meet):
+def test_a_follower_stays_behind_until_its_next_action(meet):
     follows = "+human_start <- follow(ben); .wait(14000); stop_movement."
     run = meet(ada=(follows, (3, 4)), ben=(WALK, (6, 4)))
     for t in np.arange(6.0, 13.0, 0.5):
@@ -119,7 +119,7 @@ def test_a_follower_stays_behind_until_it_does_something_else(meet):
     assert not [e for e in events(run, "arrived") if e["person"] == "ada"]
 
 
-def test_walking_with_somebody_is_side_by_side(meet):
+def test_people_who_walk_together_are_side_by_side(meet):
     run = meet(
         ada=("+human_start <- walk_with(ben).", (6, 3)),
         ben=("+human_start <- walk_speed(0.8); move(22, 4, 0).", (6, 4)),
@@ -129,7 +129,7 @@ def test_walking_with_somebody_is_side_by_side(meet):
         assert abs(ax - bx) < 1.0 and 0.6 < by - ay < 1.3
 
 
-def test_approaching_ends_in_front_of_who_has_come_to_stand(meet):
+def test_approaching_ends_in_front_of_a_person_who_has_stopped(meet):
     run = meet(
         ada=("+human_start <- approach(ben). +work_completed(_) <- .print(there).", (2, 1)),
         ben=("+human_start <- move(16, 6, 0).", (10, 4)),
@@ -139,7 +139,7 @@ def test_approaching_ends_in_front_of_who_has_come_to_stand(meet):
     assert 0.6 < apart(run, "ada", "ben", when) < 1.8
 
 
-def test_avoiding_somebody_is_walking_away_from_them(meet):
+def test_avoiding_a_person_is_walking_away_from_them(meet):
     run = meet(ada=("+human_start <- avoid(ben).", (8, 4)), ben=(STAND, (6, 4)))
     assert run.motions["ada"].state(30).at == pytest.approx((11, 4))
 
@@ -153,7 +153,7 @@ def test_an_unknown_name_is_an_error_with_the_known_names(meet):
         meet(ada=("+human_start <- follow(1).", (8, 4)), ben=(STAND, (6, 4)))
 
 
-def test_waits_for_says_who_keeps_somebody(meet):
+def test_waits_for_names_the_person_who_causes_the_wait(meet):
     asks = "+human_start <- move(22, 4, 0); .wait(8000); ?waits_for(Who); .print(Who)."
     run = meet(ada=(asks, (2, 4)), **{f"b{k}": (STAND, (12, 0.31 + 0.61 * k)) for k in range(13)})
     assert run.summary["overlaps"] == 0
@@ -187,8 +187,8 @@ def test_people_with_custom_manners_pass_a_corner(personality):
     assert run.events[:50] != usual.events[:50]
 
 
-def test_a_rule_says_how_near_people_may_come(tmp_path):
-    """The times and their sum are those of the motions, by the exact monitor."""
+def test_a_rule_sets_the_minimum_distance_between_people(tmp_path):
+    """The times and their sum match the motions."""
     trial = sim.Trial.load("people_frontal")
     rules = dataclasses.replace(trial.rules, name="ours", between_people=0.5)
     ours = dataclasses.replace(trial, rules=rules, expect={"people_too_near": ">= 1"})
@@ -196,9 +196,9 @@ def test_a_rule_says_how_near_people_may_come(tmp_path):
     run = record(ours, tmp_path / "run")
     near = navigation.TooClose(navigation.FixedDistance(1.1))
     intervals = list(navigation.when(near, run.motions["ada"], run.motions["ben"], 0, run.duration))
-    found = events(run, "people_too_near")
-    assert [e["t"] for e in found] == pytest.approx([begin for begin, _ in intervals], abs=1e-6)
-    assert all(e["distance"] == pytest.approx(0.5, abs=1e-6) for e in found)
+    recorded = events(run, "people_too_near")
+    assert [e["t"] for e in recorded] == pytest.approx([begin for begin, _ in intervals], abs=1e-6)
+    assert all(e["distance"] == pytest.approx(0.5, abs=1e-6) for e in recorded)
     time = sum(end - begin for begin, end in intervals)
     assert run.summary["people_too_near_time"] == pytest.approx(time, abs=0.05)
     assert run.unmet == [] and sim.load_run(tmp_path / "run").scene.rules == rules
@@ -219,5 +219,5 @@ rules: {{between_people: 0.5}}
 people: [{{name: wide, radius: 0.4, at: [3, 3]}}, {{name: slim, radius: 0.2, at: [{3 + apart}, 3]}}]
 """
     )
-    found = events(sim.run(trial), "people_too_near")
-    assert [e["distance"] for e in found] == ([pytest.approx(apart - 0.6)] if near else [])
+    recorded = events(sim.run(trial), "people_too_near")
+    assert [e["distance"] for e in recorded] == ([pytest.approx(apart - 0.6)] if near else [])

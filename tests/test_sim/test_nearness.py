@@ -55,7 +55,7 @@ class Machine(SimpleNamespace):
 
 
 def along_x(*places, begin=0.0):
-    """A motion of two seconds between places on the x axis, with a stop at each."""
+    """Return a motion between places on the x axis, two seconds each, with a stop at each."""
     times = [begin + 2.0 * k for k in range(len(places))]
     return Motion.from_samples(times, [(x, 0.0) for x in places])
 
@@ -78,7 +78,7 @@ def test_a_vehicle_that_drives_into_a_person_touches_them_once():
     assert along_x(0.0, 9.0).position(t)[0] + 0.5 + RADIUS == pytest.approx(5.0, abs=1e-4)
 
 
-def test_people_who_are_away_have_no_contacts():
+def test_absent_people_have_no_contacts():
     stage = Stage()
     person = stage.person("ann", (5.0, 0.0), away=True)
     contacts = contacts_with(stage, person, stage.machine(along_x(0.0, 9.0, 0.0)))
@@ -110,7 +110,7 @@ def test_a_contact_at_the_end_of_the_trial_is_counted_once(category, drive):
     assert contacts.count == 1
 
 
-def test_a_machine_that_parts_by_less_than_a_millimetre_still_touches():
+def test_a_machine_less_than_a_millimetre_away_still_touches():
     for parts_by, count in ((0.0005, 1), (0.002, 2)):
         stage = Stage()
         touches = 5.0 - 0.5 - RADIUS

@@ -1,4 +1,4 @@
-"""`floorwalker new` and `floorwalker list`: files to start from run as they are."""
+"""`floorwalker new` and `floorwalker list`: new files run unchanged."""
 
 import pytest
 import yaml
@@ -42,7 +42,7 @@ def test_a_file_that_exists_is_not_overwritten(kind, floorwalker, tmp_path):
     assert (tmp_path / "mine").read_text() == "mine"
 
 
-def test_other_kinds_are_wrong_usage(floorwalker, tmp_path):
+def test_unknown_kinds_are_rejected(floorwalker, tmp_path):
     done = floorwalker("new", "planner", cwd=tmp_path)
     assert done.returncode == 2 and "personality" in done.stderr
 

@@ -18,7 +18,7 @@ def run():
 
 
 def shown(value):
-    """What a notebook gets for a value, by MIME type."""
+    """Return the representations of a value in a notebook, by MIME type."""
     data, _ = formatters.DisplayFormatter().format(value)
     return data
 
@@ -40,14 +40,14 @@ def test_a_run_shows_its_figures_and_its_replay(run, open_page):
     assert viewer.complaints == []
 
 
-def test_names_stay_text():
+def test_names_are_escaped():
     trial = sim.Trial.parse("{floorplan: warehouse, name: '<b>&\"bold\"', duration: 1}")
     html = shown(sim.run(trial))["text/html"]
     assert "<b>" not in html
     assert "&lt;b&gt;&amp;&quot;bold&quot;" in html
 
 
-def test_a_run_that_was_broken_off_is_shown(run, tmp_path):
+def test_an_interrupted_run_is_shown(run, tmp_path):
     recording = sim.Recording(tmp_path / "run")
     sim.run(sim.Trial.load("scene_antagonistic"), recording)
     recording.close()
@@ -55,9 +55,9 @@ def test_a_run_that_was_broken_off_is_shown(run, tmp_path):
     assert "iframe" in html and "penalties" not in html.partition("<iframe")[0]
 
 
-def test_a_summary_that_lacks_fields_is_shown_without_them(run):
+def test_a_summary_with_missing_fields_is_shown(run):
     whole = json.loads(json.dumps(run.summary))
-    known = dict(figures_in_words(whole))
+    complete = dict(figures_in_words(whole))
     person = whole["people"]["operator"]
     for part in (whole, whole["minimum_separation"], whole["violations"], whole["people"], person):
         for key, value in dict(part).items():
@@ -65,7 +65,7 @@ def test_a_summary_that_lacks_fields_is_shown_without_them(run):
                 part[key] = odd
                 figures_in_words(whole)
             del part[key]
-            assert dict(figures_in_words(whole)).keys() <= known.keys()
+            assert dict(figures_in_words(whole)).keys() <= complete.keys()
             part[key] = value
     del whole["minimum_separation"]["time"]
     table = shown(replace(run, summary=whole))["text/html"].partition("<iframe")[0]

@@ -1,4 +1,4 @@
-"""Noticing by eyes: the field of view, what hides machines, how long people take, and draws."""
+"""Visual noticing: field of view, occlusion, reaction time, and draws."""
 
 import math
 from dataclasses import replace
@@ -31,7 +31,7 @@ duration: 30
 
 
 def seen(tmp_path, person, *, high=3.0, goal=(8.0, 5.0), seed=0, more=""):
-    """The run, and when the gantry is noticed."""
+    """Return the run, and the times (s) at which the gantry is noticed."""
     (tmp_path / "go.asl").write_text(GO.replace("{x}", str(goal[0])).replace("{y}", str(goal[1])))
     text = HALL.replace("HIGH", str(high)) + more
     text += f"seed: {seed}\npeople: [{{name: eve, personality: go.asl, {person}}}]\n"
@@ -42,9 +42,9 @@ def seen(tmp_path, person, *, high=3.0, goal=(8.0, 5.0), seed=0, more=""):
 
 
 def test_an_obstacle_hides_the_gantry_until_it_comes_into_view(tmp_path):
-    """A straight line from the eyes to any corner of the torso, over the floor, is the oracle."""
+    """The oracle is a straight line in the plane from the eyes to any corner of the torso."""
     _, near = seen(tmp_path, "at: [2, 1]", goal=(9, 11))
-    run, found = seen(tmp_path, "at: [2, 1], noticing: {occlusion: true}", goal=(9, 11))
+    run, noticed = seen(tmp_path, "at: [2, 1], noticing: {occlusion: true}", goal=(9, 11))
     screen, torso = shapely.box(9.9, 2, 10.1, 8), shapely.box(11.5, 4.5, 12.5, 5.5)
     corners = [(12.0, 5.0), *torso.exterior.coords[:-1]]
 
@@ -57,11 +57,11 @@ def test_an_obstacle_hides_the_gantry_until_it_comes_into_view(tmp_path):
     }
     closing = [t for t in distance if distance[t] <= 8.0 and t + 0.01 in distance]
     first = next(t for t in closing if free(t))
-    assert len(found) == 1 and near[0] < found[0]
-    assert first - 1e-6 <= found[0] <= first + 0.1 + 0.011
+    assert len(noticed) == 1 and near[0] < noticed[0]
+    assert first - 1e-6 <= noticed[0] <= first + 0.1 + 0.011
 
 
-def test_people_see_over_what_is_low_and_under_what_is_high(tmp_path):
+def test_people_see_over_low_and_under_high_obstacles(tmp_path):
     eyes = "at: [2, 5], noticing: {occlusion: true}"
     _, near = seen(tmp_path, "at: [2, 5]")
     _, low = seen(tmp_path, eyes, high=1.2)
@@ -69,7 +69,7 @@ def test_people_see_over_what_is_low_and_under_what_is_high(tmp_path):
     assert low == near and high == []
     pallet = "obstacles: {crate: {x: [7, 8], y: [1, 9], z: [0, 2.5], there: [[0, 29.9]]}}\n"
     _, hidden = seen(tmp_path, eyes, high=0.5, goal=(6.4, 5.0), more=pallet)
-    assert hidden == pytest.approx([29.9], abs=0.1)  # as soon as it is gone
+    assert hidden == pytest.approx([29.9], abs=0.1)  # as soon as the obstacle is removed
 
 
 def test_people_do_not_see_behind_themselves(tmp_path):
@@ -78,10 +78,10 @@ def test_people_do_not_see_behind_themselves(tmp_path):
     _, narrow = seen(tmp_path, "at: [8, 11], noticing: {field_of_view: 40}", **low)
     _, wide = seen(tmp_path, "at: [8, 11], noticing: {field_of_view: 180}", **low)
     assert len(all_round) == len(wide) == 1 and all_round <= wide
-    assert narrow == []  # they look along the aisle, the gantry is at their side
+    assert narrow == []  # the person looks along the aisle, and the gantry is beside them
 
 
-def test_the_reaction_takes_its_time(tmp_path):
+def test_people_notice_after_their_reaction_time(tmp_path):
     _, at_once = seen(tmp_path, "at: [2, 5]", high=0.5)
     _, later = seen(tmp_path, "at: [2, 5], noticing: {reaction_time: 0.75}", high=0.5)
     assert later == pytest.approx([at_once[0] + 0.75])

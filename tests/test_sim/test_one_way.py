@@ -1,4 +1,4 @@
-"""One-way gates: people and AGVs mind them, whatever happens to them."""
+"""One-way gates: people and AGVs obey them in every situation."""
 
 import numpy as np
 import pytest
@@ -45,11 +45,11 @@ def run(tmp_path):
 
 
 def crossings(run, name, step=0.01):
-    """The gates that the centre of a body goes through: name, and whether in their direction.
+    """Return the gates that the centre of a body passes: name, and whether in their direction.
 
-    Being put elsewhere is not walking.
+    Teleports are not counted.
     """
-    found = []
+    passages = []
     motion = run.motions[name]
     times = np.arange(0.0, run.duration, step)
     at = motion.position(times)
@@ -63,20 +63,20 @@ def crossings(run, name, step=0.01):
         )
         beyond = (at - gate.ends[0]) @ np.array(gate.normal) >= -1e-9
         through = (beyond[1:] != beyond[:-1]) & walked & (along[1:] >= 0) & (along[1:] <= 1)
-        found += [(times[k], gate.name, bool(beyond[k + 1])) for k in np.flatnonzero(through)]
-    return [one[1:] for one in sorted(found)]
+        passages += [(times[k], gate.name, bool(beyond[k + 1])) for k in np.flatnonzero(through)]
+    return [one[1:] for one in sorted(passages)]
 
 
 @pytest.mark.parametrize("people", PEOPLE)
 def test_a_person_leaves_a_one_way_aisle_in_its_direction(run, people):
-    """They start there, six of them side by side, step aside and are put back there."""
-    found = run(f"duration: 110\n{PEOPLE[people]}", TO_AND_FRO)
-    names = [person.name for person in found.scene.people]
-    passed = [crossings(found, name) for name in names]
+    """People start there, six of them side by side, step aside and are moved back there."""
+    result = run(f"duration: 110\n{PEOPLE[people]}", TO_AND_FRO)
+    names = [person.name for person in result.scene.people]
+    passed = [crossings(result, name) for name in names]
     assert all(ahead for one in passed for _, ahead in one)
     assert {name for one in passed for name, _ in one} == {"out", "back"}
-    assert not events(found, "path_blocked") and not found.summary.get("overlaps")
-    assert all(found.summary["people"][name]["visits"].count("west") >= 1 for name in names)
+    assert not events(result, "path_blocked") and not result.summary.get("overlaps")
+    assert all(result.summary["people"][name]["visits"].count("west") >= 1 for name in names)
 
 
 NICHE = (
@@ -87,26 +87,26 @@ NICHE = (
 
 
 def test_a_person_steps_aside_only_to_a_place_with_a_path_back(run):
-    """Not into the niche, out of which none leads, but ahead, out of the aisle."""
+    """No path leads out of the niche, so the person steps ahead, out of the aisle."""
     people = """\
 people:
   - {name: eve, personality: external, at: [10, 3.75], radius: 0.45}
   - {name: max, personality: go.asl, at: [2, 3.75]}
 """
-    found = run(f"duration: 60\n{people}", "+human_start <- move(18, 3.75, 0).", NICHE)
-    assert {e["person"] for e in events(found, "gave_way")} == {"eve"}
-    assert crossings(found, "eve") == [("out", True)]
-    assert [e["person"] for e in events(found, "arrived")] == ["max"]
+    result = run(f"duration: 60\n{people}", "+human_start <- move(18, 3.75, 0).", NICHE)
+    assert {e["person"] for e in events(result, "gave_way")} == {"eve"}
+    assert crossings(result, "eve") == [("out", True)]
+    assert [e["person"] for e in events(result, "arrived")] == ["max"]
 
 
-def test_a_way_only_against_the_direction_is_proved_to_be_none(run):
+def test_a_path_only_against_the_direction_is_reported_as_blocked(run):
     only = AISLES.replace("towards: [9, 7]", "towards: [11, 7]")
-    found = run(f"duration: 30\n{PEOPLE['eve']}", BACK, only)
-    (blocked,) = events(found, "path_blocked")
+    result = run(f"duration: 30\n{PEOPLE['eve']}", BACK, only)
+    (blocked,) = events(result, "path_blocked")
     assert "but through in or back, against the direction" in blocked["message"]
 
 
-def test_agvs_wait_before_a_gate_that_they_may_not_go_through(run):
+def test_agvs_wait_before_a_gate_against_their_direction(run):
     floor = AISLES.replace("at: [10, 3.75]", "at: [2, 8]") + LANE.replace("2.75", "3.75")
     text = "duration: 60\nagvs: {cart: [{time: 0, to: 14}, {time: 30, to: %s}]}\n"
     back = run(text % "middle", BACK, floor)

@@ -1,4 +1,4 @@
-"""The competition's own agent on our bridge, played from its protocol and its two windows."""
+"""The competition's agent on the bridge, imitated by its protocol and its two time windows."""
 
 import math
 from contextlib import suppress
@@ -13,19 +13,19 @@ import sim
 from sim.people.perception import Percepts
 
 DROPS = 10.0
-"""Seconds for which it drops violations after its start, after the last one, after a teleport."""
+"""Time (s) of dropped violations after the start, the last violation or a teleport."""
 
 LOOKS = 20.0
-"""Seconds after its start, after a teleport and after noticing the gantry, till it looks for it."""
+"""Time (s) without checks for the gantry after the start, a teleport or noticing the gantry."""
 
 SPEED = 8.0
-"""Of the trial: its windows are of real time, and so belong to speed 1."""
+"""Speed of the trial. The time windows above are those at speed 1."""
 
 LATE = 1 / 64
-"""Seconds of real time by which it may be late, at its speed an eighth of a second."""
+"""Maximum latency in real time (s), an eighth of a second at its speed."""
 
 MAKES_READY = 0.5
-"""Seconds for which it has subscribed and hears nothing yet."""
+"""Time (s) after its subscription without received messages."""
 
 COMMANDS = {
     "move": ("/ariac_human/goal_position", "geometry_msgs/Point"),
@@ -44,7 +44,7 @@ HEARD = {
 
 
 class Original:
-    """Drives a person as the original does: by real time, with what it drops."""
+    """Agent that drives a person in real time like the original, dropping the same messages."""
 
     def __init__(self, client, session, a_trial, speed):
         self._client = client
@@ -128,13 +128,13 @@ class Original:
 
 
 def driven(a_trial, speed=SPEED):
-    """The run of a trial whose person the original drives, the one by itself, and the original."""
+    """Return the run driven by the original, the run of the trial alone, and the original."""
     (person,) = a_trial.people
     outside = replace(a_trial, people=(replace(person, personality="external"),))
     with served(outside, speed=speed, grace=1.0, by_hand=True) as session:
         with Pacer(session, LATE) as client:
             original = Original(client, session, a_trial, speed)
-            with suppress(ConnectionClosedOK):  # the trial may end while it says something
+            with suppress(ConnectionClosedOK):  # the trial may end while the original sends
                 original.drive()
         return session.join(), sim.run(a_trial), original
 
@@ -144,7 +144,7 @@ def times(run, kind):
 
 
 def require_same_goals(across, within):
-    """It goes where it would go within, to the end, as often as its lateness leaves time for."""
+    """Require the goals of the agent within, to the end, as many as the latency permits."""
     goals, expected = (
         [event["at"] for event in run.events if event["kind"] == "goal"] for run in (across, within)
     )
@@ -153,7 +153,7 @@ def require_same_goals(across, within):
 
 
 @pytest.mark.parametrize("duration", [40.0, pytest.param(275.0, marks=pytest.mark.slow)])
-def test_the_original_agent_goes_on_to_the_end(duration):
+def test_the_original_agent_continues_to_the_end(duration):
     across, within, _ = driven(
         replace(trial("indifferent", duration), rules=sim.RULE_SETS["ariac2023"])
     )
@@ -165,8 +165,8 @@ def test_the_original_agent_goes_on_to_the_end(duration):
 
 @pytest.mark.slow
 def test_an_antagonistic_original_meets_the_gantry_to_the_end():
-    # Where a teleport leaves it may be a goal that it already had, by the wall's clock, so what is
-    # compared is how often it meets the gantry.
+    # In real time, a teleport may end at an earlier goal. The test therefore compares how often the
+    # person meets the gantry.
     across, within, _ = driven(
         replace(trial("antagonistic", 275.0), rules=sim.RULE_SETS["ariac2023"])
     )
@@ -178,8 +178,9 @@ def test_an_antagonistic_original_meets_the_gantry_to_the_end():
 
 @pytest.mark.slow
 def test_a_helpful_original_makes_room_to_the_end():
-    # The gantry that comes back at the same pace meets it where a tenth of a second decides which
-    # station it has just left, so its goals are counted, and not compared one by one.
+    # The gantry returns at the same speed and meets the person where a tenth of a second decides
+    # which station the person has just left. The goals are therefore counted, not compared one by
+    # one.
     a_trial = replace(trial("helpful", 120.0), rules=sim.RULE_SETS["ariac2023"])
     across, within, _ = driven(a_trial, speed=5.0)
     assert not times(across, "violation")
@@ -188,7 +189,7 @@ def test_a_helpful_original_makes_room_to_the_end():
     assert times(across, "goal")[-1] > a_trial.duration - 30.0
 
 
-def test_what_the_original_drops_after_its_start_it_hears_later():
+def test_a_message_that_the_original_drops_is_received_later():
     at_once = sim.GantryEntry(at=(-10.8, -1.0, 0.0))
     a_trial = replace(trial("indifferent", 30.0), rules=sim.RULE_SETS["ariac2023"], gantry=at_once)
     across, within, original = driven(a_trial)
@@ -221,7 +222,7 @@ def test_a_violation_is_repeated_until_it_is_answered():
     assert [event["kind"] for event in run.events].count("teleport") == 1
 
 
-def test_an_agent_may_make_ready_before_the_trial_begins():
+def test_an_agent_may_prepare_before_the_trial_begins():
     patient = served(trial(duration=5.0), speed=SPEED, grace=30.0, by_hand=True)
     with patient as session, Pacer(session) as client:
         client.subscribe("/ariac/start_human", type="std_msgs/Bool")
@@ -234,7 +235,7 @@ def test_an_agent_may_make_ready_before_the_trial_begins():
         session.join()
 
 
-def test_a_trial_begins_when_an_agent_has_had_its_time():
+def test_a_trial_begins_after_the_grace_period_of_an_agent():
     patient = served(trial(duration=5.0), speed=SPEED, grace=30.0, by_hand=True)
     with patient as session, Pacer(session) as client:
         client.subscribe("/ariac/start_human", type="std_msgs/Bool")

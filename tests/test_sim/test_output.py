@@ -1,4 +1,4 @@
-"""What is written: files, whole or not at all, text without control characters, topics' names."""
+"""Output: atomic writing of files, text without control characters, and topic names."""
 
 import ast
 import json
@@ -47,7 +47,7 @@ def test_a_full_disk_leaves_the_previous_file(
     assert (tmp_path / file).read_text() == "the one before"
 
 
-def test_a_file_takes_the_place_of_another_at_once(tmp_path):
+def test_a_file_replaces_another_atomically(tmp_path):
     (tmp_path / "a").write_text("before")
     (tmp_path / "link").symlink_to(tmp_path / "a")
     with pytest.raises(KeyError), replacing(tmp_path / "a") as unfinished:
@@ -60,7 +60,7 @@ def test_a_file_takes_the_place_of_another_at_once(tmp_path):
     write_whole(Path(os.devnull), "nothing")
 
 
-def test_runs_that_begin_at_once_get_folders_of_their_own(tmp_path):
+def test_simultaneous_runs_get_separate_folders(tmp_path):
     scene = sim.run(sim.Trial.parse(TRIAL)).scene
     together = Barrier(8)
 
@@ -82,7 +82,7 @@ def test_runs_that_begin_at_once_get_folders_of_their_own(tmp_path):
 @pytest.mark.parametrize(
     ("out", "why"), [("file", "it is not a folder"), ("file/inside", "Not a directory")]
 )
-def test_a_run_that_can_not_be_written_says_so(tmp_path, floorwalker, out, why):
+def test_a_run_that_cannot_be_written_is_reported(tmp_path, floorwalker, out, why):
     (tmp_path / "file").write_text("")
     done = floorwalker("run", "--duration", "2", "--out", out, cwd=tmp_path)
     assert done.returncode == 1 and done.stdout == ""
@@ -129,7 +129,7 @@ def folder(tmp_path_factory):
         (("metrics", "run", "--json"), r"\u009b0m"),
     ],
 )
-def test_control_characters_are_shown_and_not_obeyed(folder, floorwalker, arguments, shown):
+def test_control_characters_are_escaped(folder, floorwalker, arguments, shown):
     done = floorwalker(*arguments, cwd=folder)
     said = done.stdout + done.stderr
     assert shown in said
@@ -164,8 +164,8 @@ NAMES = st.lists(st.text(max_size=8), unique=True)
 
 @given(NAMES)
 def test_topic_names_are_allowed_and_different(names):
-    found = topic_names(names)
-    assert list(found) == names
-    assert len(set(found.values())) == len(names)
-    for name in found.values():
+    topics = topic_names(names)
+    assert list(topics) == names
+    assert len(set(topics.values())) == len(names)
+    for name in topics.values():
         assert re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name)

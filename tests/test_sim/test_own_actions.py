@@ -1,4 +1,4 @@
-"""Internal actions and functions of one's own in a trial."""
+"""Custom internal actions and functions in a trial."""
 
 import pytest
 
@@ -55,7 +55,7 @@ def test_programs_use_the_actions_that_a_trial_names_and_those_in_their_folder(f
     assert said(sim.run(polite)) == [("ann", "got 6 4"), ("bob", "got 6 4")]
 
 
-def test_actions_for_everybody_give_way_to_those_of_a_person_and_of_a_folder(folder):
+def test_actions_of_a_person_or_folder_precede_those_of_the_trial(folder):
     everybody = (
         MODULE.replace("2 * x", "x").replace("x / 2", "x")
         + """
@@ -105,7 +105,7 @@ def name(call, result):
         (("floor.twice", "floor.thrice"), "there is no internal action floor.twice"),
     ],
 )
-def test_what_is_missing_is_said_with_its_place(folder, change, message):
+def test_missing_actions_are_reported_with_their_place(folder, change, message):
     for file in ("own.trial.yaml", "own/module.py"):
         path = folder / file
         path.write_text(path.read_text(encoding="utf-8").replace(*change), encoding="utf-8")
@@ -114,7 +114,7 @@ def test_what_is_missing_is_said_with_its_place(folder, change, message):
     assert message in str(error.value)
 
 
-def test_they_are_refused_where_own_code_is(folder):
+def test_custom_actions_are_rejected_without_permission_for_custom_code(folder):
     with pytest.raises(sim.TrialError) as error:
         sim.Trial.load(folder / "own.trial.yaml", own_code=False)
     assert str(error.value).count("code of your own is refused here") == 2
@@ -127,7 +127,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("body", FAULTS)
-def test_an_action_that_goes_wrong_is_named_with_its_line(folder, body):
+def test_a_failing_action_is_named_with_its_line(folder, body):
     text = MODULE.replace("    return call.unify(result, 2 * x)", body)
     (folder / "own" / "module.py").write_text(text, encoding="utf-8")
     (folder / "polite" / "helpers.py").write_text(MODULE, encoding="utf-8")
@@ -135,7 +135,7 @@ def test_an_action_that_goes_wrong_is_named_with_its_line(folder, body):
         sim.run(sim.Trial.load(folder / "own.trial.yaml"))
 
 
-def test_a_function_that_takes_no_numbers_is_wrong_and_not_undefined(folder):
+def test_a_function_that_accepts_no_numbers_is_reported_as_failing(folder):
     text = MODULE.replace("x / 2", 'x / "2"')
     (folder / "own" / "module.py").write_text(text, encoding="utf-8")
     with pytest.raises(ValueError, match=r"\(module.py, line 12\): TypeError"):

@@ -1,4 +1,4 @@
-"""Python of the user's own: what stands beside the trial, whatever else has its name."""
+"""Custom Python code beside the trial, also if other modules have the same name."""
 
 import sys
 
@@ -6,19 +6,25 @@ import pytest
 
 import sim
 from sim.core.custom_code import CodeFolder
-from sim.machines.gantry.controllers import controller_source, find_controller
+from sim.machines.controllers import loaded
+from sim.machines.gantry.controllers import CONTROLLER, controller_source
 
 CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
 
 
+def find_controller(name, folder):
+    """Return a controller of gantries by its name, imported if it is custom."""
+    return loaded(name, CONTROLLER, controller_source(name, folder))
+
+
 def said(name, folder):
-    """The first thing that the controller of that name yields."""
+    """Return the first value that the controller yields."""
     return next(find_controller(name, CodeFolder(folder))(None))
 
 
 @pytest.fixture
 def package(tmp_path):
-    """Writes a package of two modules into a folder; gives the folder."""
+    """Return a function that writes a package of two modules into a folder."""
 
     def make(folder, *, regular, name="pk"):
         folder = tmp_path / folder
@@ -45,8 +51,8 @@ def _nothing_stays():
 @pytest.mark.parametrize("regular", [(True, True), (False, False), (True, False), (False, True)])
 def test_packages_of_one_name_beside_two_trials(package, regular):
     ca, cb = (package(name, regular=one) for name, one in zip(("ca", "cb"), regular, strict=True))
-    found = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
-    assert found == ["ca", "cb", "ca", "cb"]
+    words = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
+    assert words == ["ca", "cb", "ca", "cb"]
     assert controller_source("pk.ctl:go", CodeFolder(cb)).file == cb / "pk" / "ctl.py"
 
 
@@ -87,7 +93,7 @@ def test_code_outside_the_folder_is_rejected(package, tmp_path, monkeypatch):
         with pytest.raises(sim.ControllerError, match=r"there is no [\w/]+\.py in"):
             find_controller(name, CodeFolder(tmp_path))
     (tmp_path / "pk").mkdir()
-    (tmp_path / "pk" / "ctl.py").write_text(CTL)  # a namespace is found after a package
+    (tmp_path / "pk" / "ctl.py").write_text(CTL)  # packages precede namespaces
     with pytest.raises(sim.ControllerError, match=r"Python finds pk\.ctl in .*ca"):
         find_controller("pk.ctl:go", CodeFolder(tmp_path))
 
@@ -166,7 +172,7 @@ if True:
         ("wrapped", "is no generator function, nor a class", True),
     ],
 )
-def test_only_a_controller_that_is_defined_there_is_one(tmp_path, name, message, is_there):
+def test_only_a_controller_defined_in_the_module_is_accepted(tmp_path, name, message, is_there):
     (tmp_path / "m.py").write_text(NO_CONTROLLERS)
     with pytest.raises(sim.ControllerError, match=message):
         find_controller(f"m:{name}", CodeFolder(tmp_path))
@@ -190,23 +196,23 @@ def test_only_a_controller_that_is_defined_there_is_one(tmp_path, name, message,
 )
 def test_a_source_that_cannot_be_read_is_reported(tmp_path, source, message):
     (tmp_path / "m.py").write_bytes(source)
-    if not message:  # a doubtful escape is told by Python, once it is imported
+    if not message:  # Python warns of the escape at import
         assert controller_source("m:go", CodeFolder(tmp_path)).line == 2
         return
-    with pytest.raises(sim.ControllerError, match=message) as told:
+    with pytest.raises(sim.ControllerError, match=message) as caught:
         controller_source("m:go", CodeFolder(tmp_path))
-    assert len(str(told.value)) < 1000
+    assert len(str(caught.value)) < 1000
 
 
 @pytest.mark.parametrize("name", ["sys", "wave"])
-def test_a_module_of_pythons_own_name_is_refused(tmp_path, name):
+def test_a_module_named_like_a_standard_module_is_rejected(tmp_path, name):
     (tmp_path / f"{name}.py").write_text("def go(gantry):\n    yield\n")
     with pytest.raises(sim.ControllerError, match=f"Python itself has a module '{name}'"):
         controller_source(f"{name}:go", CodeFolder(tmp_path))
     assert name != "wave" or name not in sys.modules
 
 
-def test_trials_are_run_with_the_packages_of_their_own_folder(package):
+def test_trials_use_the_packages_of_their_folder(package):
     runs = []
     for name, x in (("ca", -3.0), ("cb", -5.0)):
         folder = package(name, regular=False)
@@ -221,7 +227,7 @@ def test_trials_are_run_with_the_packages_of_their_own_folder(package):
     assert ends == pytest.approx([-3.0, -5.0])
 
 
-def test_the_folder_of_a_trial_leads_to_no_code_elsewhere(tmp_path):
+def test_the_folder_of_a_trial_gives_no_access_to_code_elsewhere(tmp_path):
     (tmp_path / "code").mkdir()
     (tmp_path / "code" / "ctl.py").write_text(CTL.replace(".words", "words"))
     text = "floorplan: ariac2023\nfolder: {}\ngantry: {{controller: 'ctl:go'}}\n".format
@@ -269,7 +275,7 @@ gantry: {controller: "loud:go"}
 
 @pytest.fixture
 def loud(tmp_path):
-    """A folder with code that leaves a file when it is imported."""
+    """A folder with code that writes a file when it is imported."""
     (tmp_path / "loud.py").write_text(LOUD.format(touched=str(tmp_path / "touched")))
     (tmp_path / "law.trial.yaml").write_text(OWN_LAW)
     (tmp_path / "controller.trial.yaml").write_text(OWN_CONTROLLER)
@@ -288,7 +294,7 @@ def loud(tmp_path):
         ("gantry: {controller: 'subprocess:check_output'}", 3),
     ],
 )
-def test_a_trial_by_itself_runs_nothing(tmp_path, floorwalker, command, named, line):
+def test_a_trial_cannot_run_code_outside_its_folder(tmp_path, floorwalker, command, named, line):
     (tmp_path / "t.yaml").write_text(f"floorplan: ariac2023\nduration: 2\n{named}\n")
     done = floorwalker(command, "t.yaml", cwd=tmp_path)
     assert done.returncode == 1
@@ -324,7 +330,7 @@ def test_check_imports_nothing(loud, floorwalker, file):
     ],
     ids=lambda words: " ".join(words[:2]),
 )
-def test_own_code_runs_when_a_trial_does_unless_it_is_refused(loud, floorwalker, words):
+def test_custom_code_runs_with_a_trial_unless_it_is_forbidden(loud, floorwalker, words):
     done = floorwalker(*words, "--no-own-code", cwd=loud)
     assert (done.returncode, "code of your own is refused here" in done.stderr) == (1, True)
     assert not [path for path in loud.iterdir() if path.name in ("touched", "out")]
@@ -332,7 +338,7 @@ def test_own_code_runs_when_a_trial_does_unless_it_is_refused(loud, floorwalker,
     assert (loud / "touched").exists()
 
 
-def test_a_study_may_refuse_own_code(loud):
+def test_a_study_may_forbid_custom_code(loud):
     (loud / "quiet.trial.yaml").write_text("floorplan: ariac2023\nduration: 2\n")
     study = "trials: [{trial}.trial.yaml]\nown_code: false\n"
     for text, place in (
@@ -355,7 +361,7 @@ def test_a_law_that_cannot_be_imported_leaves_no_recording(loud, floorwalker):
     assert not (loud / "out").exists()
 
 
-def test_a_module_that_was_changed_at_once_is_read_again(tmp_path):
+def test_a_module_that_was_changed_immediately_is_read_again(tmp_path):
     for word in ("one", "two", "six"):
         (tmp_path / "ctl.py").write_text(f"def go(gantry=None):\n    yield '{word}'\n")
         assert said("ctl:go", tmp_path) == word

@@ -1,4 +1,4 @@
-"""Motions packed for the page of a long run: what is unpacked is what was packed."""
+"""Motions packed for the page of a long run, and unpacked again."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_pieces_of_another_form_are_not_packed(piece):
     assert replay.pack({"body": [[0.0, 0.0, [0.0], [0.0], [0.0]], piece]}) is None
 
 
-def test_damaged_blocks_are_refused():
+def test_damaged_blocks_are_rejected():
     index, blocks = replay.pack(
         {"body": [[0.0, 1.0, [k * 1.0, 1.0], [0.0], [0.0]] for k in range(9)]}
     )

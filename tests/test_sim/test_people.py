@@ -1,4 +1,4 @@
-"""People: when they start, what their programs can do, and what happens in their way."""
+"""People: their starts, the actions of their programs, and obstacles in their way."""
 
 import math
 
@@ -22,7 +22,7 @@ def run(text, folder=".", duration=60):
 
 @pytest.fixture
 def program(tmp_path):
-    """Runs one person with a program, alone on the floor or with more lines of a trial."""
+    """Return a function that runs one person with a program, and more lines of a trial."""
 
     def go(text, more="", duration=60, at="[-15, -10]"):
         (tmp_path / "mine.asl").write_text(text)
@@ -65,7 +65,7 @@ gantry:
         ("{order_submitted: A2}", None),
     ],
 )
-def test_a_person_starts_when_something_happens(start, kind):
+def test_a_person_starts_at_an_event(start, kind):
     text = "floorplan: ariac2023\nduration: 30\n" + JOBS.format(start=start)
     finished = sim.run(sim.Trial.parse(text))
     started = [event["t"] for event in events(finished, "human_started")]
@@ -90,7 +90,7 @@ def test_people_on_a_floor_made_in_python_go_to_all_stations_by_default(patrol, 
     assert finished.summary["people"]["ada"]["visits"][:2] == visits
 
 
-def test_several_people_walk_at_once_each_with_a_mind_of_their_own():
+def test_several_people_walk_at_once_each_with_their_own_agent():
     finished = run(
         "people: [{name: a, personality: helpful}, {name: b, start: {time: 3}},"
         " {name: c, max_speed: 0.5, at: [-5, 0]}]"
@@ -111,7 +111,7 @@ def test_the_same_person_behaves_the_same_with_others_out_of_the_way():
 
 
 def test_an_agv_that_parks_in_the_way_makes_a_walker_replan(program):
-    """The walk along y = 4.8 is free when it begins; agv1 then parks on it, far ahead."""
+    """The walk along y = 4.8 is free when it begins. Then agv1 parks on it, far ahead."""
     finished = program(
         "!go. +!go <- walk_speed(0.3); move(-4, 4.8, 0).",
         "agvs: {agv1: [{time: 1.0, to: assembly_front}]}",
@@ -129,8 +129,10 @@ def test_an_agv_that_parks_in_the_way_makes_a_walker_replan(program):
     assert shapely.distance(points, agv).min() >= 0.3 - 1e-9
 
 
-def test_a_way_that_was_free_before_is_not_taken_once_something_stands_on_it(program):
-    """Along y = 4.8 and back; agv1 parks there meanwhile; the second time along goes around it."""
+def test_a_path_that_was_free_before_is_not_reused_once_it_is_blocked(program):
+    """The person walks along y = 4.8 and back. Then agv1 has parked there, so the third walk
+    detours.
+    """
     finished = program(
         "!go. +!go <- move(-4, 4.8, 0); .wait(12000); move(-14.5, 4.8, 0);"
         " .wait(18000); move(-4, 4.8, 0).",
@@ -181,7 +183,7 @@ def test_stopping_turning_and_walking_slowly(program):
     assert math.dist(motion.state(60).at, (0.4, 7.0)) > math.dist((x, y), (0.4, 7.0))
 
 
-def test_chance_comes_from_the_seed_and_differs_between_people(tmp_path):
+def test_random_draws_depend_on_the_seed_and_the_person(tmp_path):
     (tmp_path / "dice.asl").write_text("!go. +!go <- .random(R); .print(R).")
     people = "people: [{name: a, personality: dice.asl}, {name: b, personality: dice.asl}]"
     thrown = [
@@ -198,7 +200,7 @@ def test_a_person_at_the_goal_arrives_after_a_moment(program):
 
 
 def test_turning_at_speed_never_breaks_the_limits(program):
-    """A new goal behind somebody who walks: they brake first, then walk back."""
+    """On a new goal behind, a walking person brakes first, then walks back."""
     finished = program("!go. +!go <- move(-10.8, -3.75, 0); .wait(3000); move(-15, -10, 0).")
     ts = np.linspace(0, 20, 20_001)
     velocity = finished.motions["a"].velocity(ts)
@@ -207,7 +209,7 @@ def test_turning_at_speed_never_breaks_the_limits(program):
     assert finished.motions["a"].position(30.0) == pytest.approx((-15, -10))
 
 
-def test_people_talk_to_each_other_within_an_instant(tmp_path):
+def test_people_talk_to_each_other_at_one_time(tmp_path):
     (tmp_path / "asks.asl").write_text(
         "!go. +!go <- .wait(2500); .send(b, askOne, mood(_), mood(M)); .print(M);"
         " .send(b, achieve, cheer_up)."
@@ -222,8 +224,8 @@ def test_people_talk_to_each_other_within_an_instant(tmp_path):
     assert said == [(2.5, "a", "grumpy"), (2.5, "b", "glad of a")]
 
 
-def test_stepping_back_where_there_is_no_room_fails_and_is_reported(program):
-    """Once it only failed: a scared person in a corner stood there for ever."""
+def test_stepping_back_without_room_fails_and_is_reported(program):
+    """The program learns that it failed, so that a scared person can leave the corner."""
     finished = program(
         "!go. +!go <- move_away(2). -!go <- .print(cornered). +path_blocked(_) <- .print(told).",
         at="[1.69, -11.69]",
@@ -233,7 +235,7 @@ def test_stepping_back_where_there_is_no_room_fails_and_is_reported(program):
 
 
 @pytest.mark.parametrize("name", bdi.programs())
-def test_every_personality_lives_through_a_trial_with_a_busy_gantry(name):
+def test_every_personality_completes_a_trial_with_a_busy_gantry(name):
     finished = sim.run(
         sim.Trial.parse(
             f"""
@@ -262,13 +264,13 @@ agvs: {{agv2: [{{time: 60.0, to: as1}}, {{time: 120.0, to: kitting}}]}}
         ("!go(a). +!go(X) <- !go(f(X)).", "mine.asl"),
     ],
 )
-def test_programs_that_ask_for_what_nobody_can_do(program, text, message):
+def test_programs_with_impossible_actions_are_rejected(program, text, message):
     with pytest.raises((floorplan.UserError, bdi.ProgramError), match=message):
         program(text)
 
 
-def test_a_program_that_acts_for_ever_at_one_instant_is_stopped(program):
-    """Being told of a blocked way at once, and asking for the same way at once."""
+def test_a_program_that_acts_endlessly_at_one_time_is_stopped(program):
+    """The blocked path is reported at once, and the program requests the same path at once."""
     with pytest.raises(
         (floorplan.UserError, bdi.ProgramError), match="repeats actions without end"
     ):
@@ -290,7 +292,7 @@ def test_the_rules_of_the_competition():
     assert after[0]["t"] == pytest.approx(violation["t"] + 10.0)
 
 
-def test_a_simulation_goes_on_to_times_that_are_still_to_come():
+def test_a_simulation_continues_to_later_times():
     trial = sim.Trial.parse(ALONE.format(duration=20) + "people: [{name: ada}]\n")
     simulation = sim.Simulation(trial)
     for until in (0.0, 5.0, 5.0, 12.5, math.inf, 30.0):
@@ -304,7 +306,7 @@ def test_a_simulation_goes_on_to_times_that_are_still_to_come():
 @pytest.mark.parametrize("other", ["", "- {name: q, at: [1, 9], personality: external}\n"])
 @pytest.mark.parametrize("later", [0.0, 0.04])
 def test_two_turns_in_one_place_are_one_turn(other, later):
-    """Each of 80° may be taken at 0.5 m/s, both in one place may not: then they come to rest."""
+    """Each turn of 80° is possible at 0.5 m/s, both in one place are not, so the person stops."""
     floor = "floorplan: {boundary: [[0, 0], [10, 0], [10, 10], [0, 10]], stations: {a: [1, 1]}}\n"
     people = "people:\n- {name: p, at: [2, 5], max_speed: 0.5, personality: external}\n"
     simulation = sim.Simulation(sim.Trial.parse(floor + "duration: 60\n" + people + other))

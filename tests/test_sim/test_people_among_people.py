@@ -1,4 +1,4 @@
-"""People among people: nobody ever overlaps anybody, and everybody gets where they go."""
+"""People among people: no two of them overlap, and all of them arrive."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Place = tuple[float, float]
 
 
 def hall(width: float, depth: float, *walls: tuple[float, float, float, float]) -> str:
-    """A floor of one room with walls in it, each from x0, y0 to x1, y1."""
+    """Return a floor of one room with walls in it, each from x0, y0 to x1, y1."""
     lines = [f"boundary: [[0, 0], [{width}, 0], [{width}, {depth}], [0, {depth}]]"]
     if walls:
         lines.append("obstacles:")
@@ -40,7 +40,7 @@ def hall(width: float, depth: float, *walls: tuple[float, float, float, float]) 
 
 @pytest.fixture
 def walks(tmp_path):
-    """Runs people who walk from each start to their goals on a floor."""
+    """Return a function that runs people who walk from each start to their goals on a floor."""
     (tmp_path / "go.asl").write_text(GO)
 
     def run(
@@ -73,12 +73,12 @@ def walks(tmp_path):
 
 
 def places(rng: random.Random, count: int, low: Place, high: Place, apart: float) -> list[Place]:
-    found: list[Place] = []
-    while len(found) < count:
+    chosen: list[Place] = []
+    while len(chosen) < count:
         place = (rng.uniform(low[0], high[0]), rng.uniform(low[1], high[1]))
-        if all(math.dist(place, other) > apart for other in found):
-            found.append(place)
-    return found
+        if all(math.dist(place, other) > apart for other in chosen):
+            chosen.append(place)
+    return chosen
 
 
 def pairs(run: sim.Run) -> Iterator[tuple[navigation.Motion, navigation.Motion]]:
@@ -86,29 +86,29 @@ def pairs(run: sim.Run) -> Iterator[tuple[navigation.Motion, navigation.Motion]]
 
 
 def least(run: sim.Run) -> float:
-    """The least distance between two centres, by the exact monitor."""
+    """Return the minimum distance between two centres, by the exact monitor."""
     return min(navigation.minimum_separation(a, b, 0.0, run.duration)[1] for a, b in pairs(run))
 
 
 def sampled(run: sim.Run) -> float:
-    """The same, by looking every 10 ms."""
+    """Return the minimum distance between two centres, sampled every 10 ms."""
     t = np.arange(0.0, run.duration, 0.01)
     at = [run.motions[name].position(t) for name in run.summary["people"]]
     return min(float(np.hypot(*(a - b).T).min()) for a, b in itertools.combinations(at, 2))
 
 
 def through_walls(run: sim.Run, radius: float = 0.3) -> list[str]:
-    """Those who came closer to a wall than their radius."""
+    """Return the people who came closer to a wall than their radius."""
     plan = run.trial.floorplan
     world = navigation.CollisionWorld(plan).as_if(away=[lane.name for lane in plan.lanes])
-    found = []
+    close = []
     for name in run.summary["people"]:
         begin, end = run.presence[name]
         ends = [piece.end for piece in run.motions[name].pieces if begin <= piece.end < end]
         line = run.motions[name].position(np.array([begin, *ends]))
         if world.clearance(line) < radius - 1e-6:
-            found.append(name)
-    return found
+            close.append(name)
+    return close
 
 
 def arrived(run: sim.Run) -> set[str]:
@@ -116,7 +116,7 @@ def arrived(run: sim.Run) -> set[str]:
 
 
 def turns_in_a_second(run: sim.Run) -> int:
-    """The most sudden changes of direction by 5 degrees or more that somebody made in a second."""
+    """Return the maximum number of turns of a person by 5 degrees or more within a second."""
     most = 0
     for name in run.summary["people"]:
         pieces = run.motions[name].pieces
@@ -151,7 +151,7 @@ def circle(count: int) -> tuple[str, list[tuple[Place, list[Place]]]]:
 def rooms(
     seed: int, count: int, gap: float, thickness: float
 ) -> tuple[str, list[tuple[Place, list[Place]]]]:
-    """Two rooms with a gap between them; so many people in each want into the other."""
+    """Return two rooms with a gap between them, and `count` people in each bound for the other."""
     rng, width, depth = random.Random(seed), 12.0 + thickness, 6.0
     left, right = 6.0, 6.0 + thickness
     floor = hall(width, depth, (left, 0, right, 3 - gap / 2), (left, 3 + gap / 2, right, depth))
@@ -196,11 +196,11 @@ def test_all_people_arrive_without_overlaps(walks, name):
 
 def test_people_do_not_shiver(walks):
     (floor, ways), _ = SCENES["circle of eight"]
-    assert turns_in_a_second(walks(floor, ways)) <= 4  # two courses, each with a bend
+    assert turns_in_a_second(walks(floor, ways)) <= 4  # two courses, each with a turn
 
 
 def test_people_change_course_at_most_twice_per_second(walks):
-    """Not even who has just given way, and may go on as soon as the one in the way does."""
+    """This includes a person who has just given way, and resumes together with the other one."""
     run = walks(*rooms(7, 10, 0.8, 0.2), 40.0)
     again = sim.Simulation(run.trial)
     changes: dict[str, list[float]] = {person.name: [] for person in again.people}
@@ -216,7 +216,7 @@ def test_people_change_course_at_most_twice_per_second(walks):
 
 
 def scene(seed: int) -> tuple[str, list[tuple[Place, list[Place]]]]:
-    """A random floor with random people; each place can be reached by one alone."""
+    """Return a random floor with random people. A person alone can reach each place."""
     rng = random.Random(seed)
     if rng.random() < 0.4:
         return rooms(
@@ -232,15 +232,15 @@ def scene(seed: int) -> tuple[str, list[tuple[Place, list[Place]]]]:
     starts: list[Place] = []
     goals: list[Place] = []
     while len(goals) < count:
-        for found in (starts, goals):
+        for chosen in (starts, goals):
             while True:
                 at = (rng.uniform(0.35, 12.65), rng.uniform(0.35, 12.65))
                 if (
-                    all(math.dist(at, other) > 0.65 for other in found)
+                    all(math.dist(at, other) > 0.65 for other in chosen)
                     and world.free(at, 0.31)
                     and (not starts or space.together(at, starts[0]))
                 ):
-                    found.append(at)
+                    chosen.append(at)
                     break
     return floor, [(a, [b, a]) for a, b in zip(starts, goals, strict=True)]
 
@@ -276,8 +276,8 @@ def test_a_person_arrives_on_stopping_beside_an_occupied_goal(walks):
     assert comes_to_rest <= arrival["t"] < comes_to_rest + 0.3
 
 
-def test_time_passes_between_two_goals_in_reach_of_each_other_that_are_both_taken(walks):
-    """Who stands between them is beside each, but sets out for the other first."""
+def test_time_passes_between_two_taken_goals_within_reach_of_each_other(walks):
+    """A person between them is beside each, but starts for the other first."""
     goals = [(5.2, 4.0), (6.8, 4.0)]
     ways = [((6.0, 3.0), goals * 5), *((at, []) for at in goals)]
     run = walks(hall(12, 8), ways, 60.0, manners={"reaction_time": 0.4})
@@ -308,15 +308,15 @@ def test_a_full_corridor_takes_up_its_width(walks):
     assert least(run) >= 0.4
     t = np.linspace(3.0, 8.0, 50)
     middle = [k for k, (x, _) in enumerate(starts) if x < 10.0]
-    found = [np.hypot(*run.motions[f"p{k}"].velocity(t).T).mean() for k in middle]
+    means = [np.hypot(*run.motions[f"p{k}"].velocity(t).T).mean() for k in middle]
     weidmann = 1.34 * (1 - math.exp(-1.913 * (1 / 1.0 - 1 / 5.4)))
-    assert float(np.mean(found)) == pytest.approx(weidmann, rel=0.2)
+    assert float(np.mean(means)) == pytest.approx(weidmann, rel=0.2)
 
 
-def test_many_who_meet_in_a_corridor_pass_each_other_one_by_one(walks):
-    """Past the first of them there is not yet room for all that people look ahead.
+def test_many_people_who_meet_in_a_corridor_pass_each_other_one_by_one(walks):
+    """Past the first of them, there is less room than people look ahead.
 
-    Single draws lie 10 s apart, so that the mean of some counts.
+    The mean arrival of several draws is compared, because single draws lie 10 s apart.
     """
     ends = []
     for seed in range(4):
@@ -329,12 +329,12 @@ def test_many_who_meet_in_a_corridor_pass_each_other_one_by_one(walks):
         assert least(run) >= 0.6
         ends += [event["t"] for event in events(run, "arrived")]
     assert len(ends) == 4 * 18
-    assert float(np.mean(ends)) < 35.0  # 18 alone
+    assert float(np.mean(ends)) < 35.0  # 18 s alone
 
 
 @pytest.mark.parametrize("apart", [0.601, 0.606, 0.65])
 @pytest.mark.parametrize("angle", [0.0, 0.5, 2.5, 4.0])
-def test_two_who_stand_back_to_back_walk_away_from_each_other(walks, apart, angle):
+def test_two_people_back_to_back_walk_away_from_each_other(walks, apart, angle):
     c, s = math.cos(angle), math.sin(angle)
     starts = [(10, 10), (10 + apart * c, 10 + apart * s)]
     run = walks(
@@ -346,7 +346,7 @@ def test_two_who_stand_back_to_back_walk_away_from_each_other(walks, apart, angl
 
 
 def test_a_crowd_around_a_goal_dissolves(walks):
-    """Fifteen want to one place and back; who comes late arrives at the edge of the others."""
+    """Fifteen people go to one place and back. Later ones arrive at the edge of the others."""
     _, ways = circle(15)
     run = walks(hall(16, 16), [(start, [(8, 8), start]) for start, _ in ways], 90.0)
     assert len(events(run, "arrived")) == 30
@@ -376,8 +376,10 @@ def test_people_do_not_walk_to_and_fro_in_front_of_a_stationary_person(
     assert least(run) >= 0.6
 
 
-def test_three_and_three_pass_each_other_between_the_ends_of_an_aisle(walks):
-    """Where two can pass close to the walls alone, those who ask go close to one themselves."""
+def test_three_and_three_people_pass_each_other_between_the_ends_of_an_aisle(walks):
+    """Two people can pass only close to the walls, so people who need room move to a wall
+    themselves.
+    """
     west = [(0.6, 1.01), (1.5, 0.56), (2.4, 0.88)]
     east = [(13.0, 1.01), (12.1, 0.56), (11.2, 0.88)]
     goals = [(13.4, 0.73), (12.5, 0.96), (11.6, 0.65), (1.1, 1.01), (2.0, 0.56), (2.9, 0.88)]
@@ -390,7 +392,7 @@ def test_three_and_three_pass_each_other_between_the_ends_of_an_aisle(walks):
 @pytest.mark.parametrize(
     "seed",
     [
-        pytest.param(2, id="who gives up a path round others is not led on by its bends"),
+        pytest.param(2, id="a person who gives up a detour does not follow its turns"),
         pytest.param(3, id="an arch before it opens"),
     ],
 )
@@ -407,11 +409,11 @@ def test_a_crowd_gets_through_a_door(walks, seed):
 @pytest.mark.parametrize(
     "seed",
     [
-        pytest.param(12, id="nobody goes in behind others while somebody comes who is inside"),
-        pytest.param(7, id="those before it make way for who is inside, where these can not"),
+        pytest.param(12, id="no person enters behind others while a person inside approaches"),
+        pytest.param(7, id="people at the entrance make way for people inside"),
     ],
 )
-def test_ten_from_either_side_get_through_an_aisle_for_two(walks, seed):
+def test_ten_people_from_either_side_get_through_an_aisle_for_two(walks, seed):
     floor, ways = rooms(seed, 10, 1.5, 3.0)
     run = walks(floor, ways, 100.0)
     assert least(run) >= 0.6
@@ -419,18 +421,18 @@ def test_ten_from_either_side_get_through_an_aisle_for_two(walks, seed):
 
 
 @pytest.mark.parametrize("seed", [91, pytest.param(92, marks=pytest.mark.slow)])
-def test_a_throng_in_an_aisle_for_two_dissolves(walks, seed):
-    """Also where those who rank highest are in the middle of it, and others alone can back out."""
+def test_a_crowd_in_an_aisle_for_two_dissolves(walks, seed):
+    """The highest ranks may be in its middle, where only the others can back out."""
     rng = random.Random(seed)
     floor = hall(22, 9, (9.5, 0, 12.5, 3.75), (9.5, 5.25, 12.5, 9))
 
     def anywhere() -> list[Place]:
-        found: list[Place] = []
-        while len(found) < 44:
+        chosen: list[Place] = []
+        while len(chosen) < 44:
             x, y = rng.uniform(0.4, 21.6), rng.uniform(0.4, 8.6)
-            if not 9.1 <= x <= 12.9 and all(math.dist((x, y), other) > 0.65 for other in found):
-                found.append((x, y))
-        return found
+            if not 9.1 <= x <= 12.9 and all(math.dist((x, y), other) > 0.65 for other in chosen):
+                chosen.append((x, y))
+        return chosen
 
     ways = [
         (start, [*goals]) for start, *goals in zip(*(anywhere() for _ in range(3)), strict=True)
@@ -465,7 +467,7 @@ def test_a_safe_zone_has_room_for_several():
     assert all(person["visits"] for person in run.summary["people"].values())
 
 
-def test_the_summary_has_the_nearest_that_people_came(walks):
+def test_the_summary_has_the_minimum_distance_of_people(walks):
     floor, ways = scene(8)
     run = walks(floor, ways, 60.0)
     nearest = run.summary["nearest_people"]
@@ -491,7 +493,7 @@ people:
 
 @pytest.mark.parametrize("start", [50.0, 7.0])
 def test_steps_before_the_start_are_not_walked(start):
-    """Somebody gives way before they start, or starts in the middle of the step aside."""
+    """A person gives way before their start, or starts in the middle of the step aside."""
     run = sim.run(sim.Trial.parse(NICHE.format(start=start)))
     (aside,) = (e["t"] for e in run.events if e["kind"] == "gave_way")
     before, after = run.motions["late"].position([start, run.duration])
@@ -501,15 +503,15 @@ def test_steps_before_the_start_are_not_walked(start):
     assert figures["distance_walked"] == run.metrics["people"]["late"]["path_length"]
 
 
-def test_people_who_can_go_nowhere_say_so_and_are_a_deadlock(walks):
-    # Two at the ends of a closed aisle for one want to change places; three stand between them.
+def test_people_who_can_go_nowhere_are_blocked_and_a_deadlock(walks):
+    # Two people at the ends of a closed single-file aisle swap places. Three stand between them.
     floor, y = hall(7, 0.7), 0.35
     ways = [((x, y), [(goal, y)]) for x, goal in ((0.4, 6.6), (2.5, 2.5), (3.5, 3.5), (4.5, 4.5))]
     run = walks(floor, [*ways, ((6.6, y), [(0.4, y)])], 60.0)
     assert {event["person"] for event in events(run, "blocked")} == {"p0", "p4"}
     (deadlock,) = events(run, "deadlock")
     assert deadlock["people"] == ["p0", "p4"]
-    # Nobody moves after 2 s, and blocked people decide every 8 s.
+    # No person moves after 2 s, and blocked people decide every 8 s.
     assert 30.0 <= deadlock["t"] <= 40.0
     assert run.summary["deadlocks"] == 1
     assert run.summary["people"]["p0"]["time_lost_to_others"] > 20
@@ -517,7 +519,7 @@ def test_people_who_can_go_nowhere_say_so_and_are_a_deadlock(walks):
 
 
 def test_a_person_takes_another_aisle_if_one_is_full(walks):
-    # Two aisles lead on; in the nearer one somebody stands who lets nobody past.
+    # Two aisles lead on. A person who does not step aside stands in the nearer one.
     floor = hall(16, 8, (5, 0, 11, 1.5), (5, 2.5, 11, 5.5), (5, 6.5, 11, 8))
     ways = [((2, 2), [(14, 2)]), ((8, 2), [])]
     run = walks(floor, ways, 60.0, manners={"steps_aside": False})
@@ -562,13 +564,13 @@ def test_a_crew_is_spread_from_the_seed():
         ("{name: b, count: 500}", "no room for b"),
     ],
 )
-def test_people_who_can_not_be_are_refused_before_the_run(person, says):
+def test_impossible_people_are_rejected_before_the_run(person, says):
     text = f"floorplan: ariac2023\nduration: 5\npeople:\n  - {{name: a, at: [-5, 0]}}\n  - {person}"
     with pytest.raises(sim.TrialError, match=says.replace("people[1]", r"people\[1\]")):
         sim.Simulation(sim.Trial.parse(text))
 
 
-def test_minds_know_where_the_others_are(walks, tmp_path):
+def test_agents_know_the_positions_of_others(walks, tmp_path):
     (tmp_path / "look.asl").write_text(
         '+human_start <- .wait(1000); ?person(N, X, Y, V); .print(N, " ", X, " ", Y).'
     )
@@ -653,12 +655,12 @@ def test_an_invalid_steering_is_an_error(tmp_path):
         "people_blind_spot",
     ],
 )
-def test_the_scenes_that_come_with_it_are_as_expected(name):
+def test_the_built_in_scenes_meet_their_expectations(name):
     run = sim.run(sim.Trial.load(name))
     assert run.unmet == [] and least(run) >= 0.6 and through_walls(run) == []
 
 
-def test_a_goal_replaced_on_the_last_metres_is_not_arrived_at(tmp_path):
+def test_a_goal_replaced_on_the_last_metres_is_not_reached(tmp_path):
     """Another person follows too closely to turn round, so the motion to the old goal stays."""
     (tmp_path / "back.asl").write_text("+human_start <- move(11, 0.5); .wait(8700); move(1, 0.5).")
     (tmp_path / "on.asl").write_text("+human_start <- move(10.2, 0.5).")

@@ -21,8 +21,8 @@ def trial(change, folder=".", text=PATROL):
     return sim.Trial.parse(text.format(change=change), folder=folder)
 
 
-def test_a_personality_changes_at_a_time_and_the_person_goes_on(tmp_path):
-    """On the way to the second station, towards which the new mind walks on."""
+def test_a_personality_changes_at_a_time_and_the_person_walks_on(tmp_path):
+    """The change is on the way to the second station, where the new agent walks on."""
     run = sim.run(trial("{when: {time: 10.0}, personality: helpful}"))
     plain = sim.run(trial(""))
     (changed,) = events(run, "personality_changed")
@@ -33,14 +33,14 @@ def test_a_personality_changes_at_a_time_and_the_person_goes_on(tmp_path):
     before, later = run.motions["operator"].state_before(10.0), run.motions["operator"].state(10.0)
     assert before.at == later.at
     assert later.speed == pytest.approx(before.speed)
-    # The helpful mind turns round at the gantry, the indifferent one never does.
+    # The helpful agent turns round at the gantry, the indifferent one never does.
     turned = first(run, "goal", after=events(run, "gantry_detected")[0]["t"] + 1e-6)
     assert turned["station"] != first(plain, "goal", after=turned["t"])["station"]
     assert run.summary["people"]["operator"]["personality"] == "indifferent"
 
 
 def test_a_personality_changes_after_an_event(tmp_path):
-    """Antagonistic at first; after the second violation somebody who just stands there."""
+    """The person is antagonistic at first, and just stands after the second violation."""
     (tmp_path / "rest.asl").write_text("+human_start <- .print(resting).\n")
     text = PATROL.replace("indifferent", "antagonistic").replace("duration: 60", "duration: 120")
     change = "{when: {event: violation, count: 2}, personality: rest.asl}"
@@ -51,14 +51,14 @@ def test_a_personality_changes_after_an_event(tmp_path):
     assert changed["t"] == said["t"] == second
     assert len(events(run, "violation")) == 2
     assert [event for event in events(run, "goal") if event["t"] > second] == []
-    # The new mind did not ask to be put into the safe zone: the rules insist.
+    # The rules put the person into the safe zone, although the new agent did not request it.
     assert [event["t"] for event in events(run, "teleport")] == [
         event["t"] for event in events(run, "violation")
     ]
     assert run.motions["operator"].position(120.0) == pytest.approx((-15.0, -10.0))
 
 
-def test_percepts_of_the_same_instant_reach_the_new_mind_and_older_ones_do_not(tmp_path):
+def test_the_new_agent_gets_percepts_of_the_same_time_and_no_older_ones(tmp_path):
     (tmp_path / "tells.asl").write_text(
         "+gantry_disabled(N) <- .print(disabled, N).\n+gantry_detected(N) <- .print(detected, N).\n"
         "+work_completed(N) <- .print(completed, N).\n"
@@ -71,7 +71,7 @@ def test_percepts_of_the_same_instant_reach_the_new_mind_and_older_ones_do_not(t
     assert "detected0" not in [text for _, text in said]
 
 
-def test_counters_go_on(tmp_path):
+def test_counters_continue(tmp_path):
     (tmp_path / "walks.asl").write_text(
         "+human_start <- move(-10.8, -3.75, 0).\n+work_completed(N) <- .print(completed, N).\n"
     )
@@ -113,7 +113,7 @@ def test_a_program_is_swapped_while_the_simulation_runs(tmp_path):
         simulation.person("oprator")
 
 
-def test_chances_are_new_after_a_change_and_the_same_each_time(tmp_path):
+def test_random_draws_are_new_after_a_change_and_the_same_each_time(tmp_path):
     (tmp_path / "dice.asl").write_text("!go. +!go <- .random(R); .print(R).\n")
     text = PATROL.replace("indifferent", "dice.asl").replace("duration: 60", "duration: 3")
     change = "{when: {time: 1.0}, personality: dice.asl}"
@@ -123,7 +123,7 @@ def test_chances_are_new_after_a_change_and_the_same_each_time(tmp_path):
     assert len(set(thrown[0])) == 2
 
 
-def test_people_who_talk_are_heard_by_the_new_mind(tmp_path):
+def test_the_new_agent_hears_other_people(tmp_path):
     (tmp_path / "asks.asl").write_text("!go. +!go <- .wait(5000); .send(operator, tell, hello).\n")
     (tmp_path / "hears.asl").write_text("+hello[source(S)] <- .print(S).\n")
     text = PATROL.replace("gantry:", "  - {{name: other, personality: asks.asl}}\ngantry:")

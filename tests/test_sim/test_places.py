@@ -1,4 +1,4 @@
-"""Places that change: doors, zones, and obstacles that come and go, for people and AGVs."""
+"""Doors, zones and temporary obstacles, for people and AGVs."""
 
 import math
 import random
@@ -43,13 +43,13 @@ PAIR = (
 
 
 def nearest(run, body, shape, begin, end, step=0.01):
-    """The least distance from the centre of a body to a shape, at many instants."""
+    """Return the minimum distance from the centre of a body to a shape, sampled."""
     times = np.arange(begin, min(end, run.duration), step)
     return shapely.distance(shape, shapely.points(run.motions[body].position(times))).min()
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
-def test_a_closed_door_is_a_wall_and_an_open_one_is_nothing(run, people):
+def test_a_closed_door_is_a_wall_and_an_open_one_is_free(run, people):
     door = floorplan.parse(TWO_ROOMS).doors["lower"].footprint
     through = run(f"duration: 30\n{people}")
     (arrived,) = events(through, "arrived")
@@ -60,7 +60,7 @@ def test_a_closed_door_is_a_wall_and_an_open_one_is_nothing(run, people):
     assert nearest(closed, "eve", door, 0.0, 30.0) >= 0.3 - 1e-6
     assert [e["t"] for e in events(closed, "door_opened")] == [30.0]
     assert events(closed, "arrived")[0]["t"] == pytest.approx(46.5, abs=1.0)
-    # While they are under way, it closes before them: the other door is the way round.
+    # The door closes while the person is under way, so the detour is the other door.
     other = run(
         "duration: 60\ndoors: {lower: {closed: [[4]]}, upper: {open: [[0, 60]]}}\n" + people
     )
@@ -76,7 +76,7 @@ def test_a_distant_person_learns_at_once_that_the_path_is_blocked(run, people):
 
 
 def test_a_distant_person_learns_at_once_that_an_agv_has_stopped_on_the_route(run):
-    """It rests where they have not yet committed themselves to go."""
+    """The AGV rests beyond the part of the path to which the person is committed."""
     lane = (
         LANE.replace("max_speed: 1.0", "max_speed: 2.0")
         .replace("max_acceleration: 0.5", "max_acceleration: 2.0")
@@ -85,39 +85,39 @@ def test_a_distant_person_learns_at_once_that_an_agv_has_stopped_on_the_route(ru
         .replace("limits: [0, 16]", "limits: [0, 3]")
     )
     cart = "agvs: {cart: {moves: [{time: 0.5, to: east}], yield: true}}\n"
-    found = run(f"duration: 6\n{cart}{PAIR}", TWO_ROOMS + lane)
-    (drove,) = events(found, "agv_moved")
+    finished = run(f"duration: 6\n{cart}{PAIR}", TWO_ROOMS + lane)
+    (drove,) = events(finished, "agv_moved")
     assert drove["arrives"] < 3.0
-    assert events(found, "path_blocked")[0]["t"] == pytest.approx(drove["arrives"], abs=1e-5)
+    assert events(finished, "path_blocked")[0]["t"] == pytest.approx(drove["arrives"], abs=1e-5)
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
-def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
+def test_people_avoid_obstacles_while_they_are_there(run, people, tmp_path):
     pallet = "obstacles: {pallet: {x: [5, 6], y: [1, 4], z: [0, 1], there: [[2.0, 30.0]]}}\n"
-    found = run(f"duration: 40\n{people}{pallet}")
-    assert nearest(found, "eve", shapely.box(5, 1, 6, 4), 2.5, 30.0) >= 0.3 - 1e-6
-    kinds = [e["kind"] for e in events(found, "obstacle_came", "obstacle_went", "replanned")]
+    finished = run(f"duration: 40\n{people}{pallet}")
+    assert nearest(finished, "eve", shapely.box(5, 1, 6, 4), 2.5, 30.0) >= 0.3 - 1e-6
+    kinds = [e["kind"] for e in events(finished, "obstacle_came", "obstacle_went", "replanned")]
     assert kinds == ["obstacle_came", "replanned", "obstacle_went"]
-    assert len(events(found, "arrived")) == 1
-    record(found.trial, tmp_path / "run")
-    assert sim.load_run(tmp_path / "run").scene == found.scene and found.scene.passing
+    assert len(events(finished, "arrived")) == 1
+    record(finished.trial, tmp_path / "run")
+    assert sim.load_run(tmp_path / "run").scene == finished.scene and finished.scene.passing
 
 
 def test_a_person_steps_out_of_an_obstacle_that_is_put_down(run):
     text = "duration: 20\npeople: [{name: eve, personality: go.asl, start: {time: 9}}]\n"
-    found = run(
+    finished = run(
         text + "obstacles: {box: {x: [1, 2.2], y: [2, 3.5], z: [0, 1], there: [[5, 20]]}}\n"
     )
-    assert nearest(found, "eve", shapely.box(1, 2, 2.2, 3.5), 10.0, 20.0) >= 0.3 - 1e-6
+    assert nearest(finished, "eve", shapely.box(1, 2, 2.2, 3.5), 10.0, 20.0) >= 0.3 - 1e-6
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
-def test_a_zone_is_closed_to_whom_it_is_forbidden(run, people):
+def test_a_zone_is_closed_to_people_for_whom_it_is_forbidden(run, people):
     cell = "zones: {cell: {x: [4, 6], y: [0, 5], forbidden: true, concerns: ['e*']}}\n"
     area = shapely.box(4, 0, 6, 5)
-    found = run(f"duration: 40\n{people}", TWO_ROOMS + cell)
-    assert nearest(found, "eve", area, 0.0, 40.0) >= 0.3 - 1e-6
-    assert len(events(found, "arrived")) == 1
+    detour = run(f"duration: 40\n{people}", TWO_ROOMS + cell)
+    assert nearest(detour, "eve", area, 0.0, 40.0) >= 0.3 - 1e-6
+    assert len(events(detour, "arrived")) == 1
     free = run(f"duration: 40\n{people.replace('eve', 'ann')}", TWO_ROOMS + cell)
     assert nearest(free, "ann", area, 0.0, 40.0) == 0.0
     wall = "zones: {wall: {x: [4, 6], y: [0, 10], forbidden: true}}\n"
@@ -131,9 +131,9 @@ def test_a_zone_is_closed_to_whom_it_is_forbidden(run, people):
 def test_a_start_or_exit_in_a_forbidden_zone_is_an_error(run, key):
     cell = "zones: {cell: {x: [4, 6], y: [0, 5], forbidden: true, concerns: ['e*']}}\n"
     place = key.split(":")[0] + (".at" if "source" in key else "")
-    with pytest.raises(sim.TrialError, match="zone 'cell'") as told:
+    with pytest.raises(sim.TrialError, match="zone 'cell'") as error:
         run(f"duration: 5\npeople: [{{name: eve, {key}}}]\n", TWO_ROOMS + cell)
-    (problem,) = told.value.problems
+    (problem,) = error.value.problems
     assert problem.field == f"people[0].{place}"
     run(f"duration: 5\npeople: [{{name: ann, {key}}}]\n", TWO_ROOMS + cell)
 
@@ -155,9 +155,9 @@ def test_people_keep_the_speed_limit_of_a_zone(run, people, seed):
         limit = rng.uniform(0.2, 0.9)
         areas.append((shapely.box(area[0], area[2], area[1], area[3]), limit))
         lines.append(f"  z{k}: {{x: {[*area[:2]]}, y: {[*area[2:]]}, max_speed: {limit}}}")
-    found = run(f"duration: 90\n{people}", TWO_ROOMS + "zones:\n" + "\n".join(lines) + "\n")
-    walked = found.motions["eve"]
-    assert len(events(found, "arrived")) == 1
+    finished = run(f"duration: 90\n{people}", TWO_ROOMS + "zones:\n" + "\n".join(lines) + "\n")
+    walked = finished.motions["eve"]
+    assert len(events(finished, "arrived")) == 1
     for area, limit in areas:
         assert (speeds_within(walked, area) <= limit + 1e-6).all()
     times = np.arange(0.0, walked.end, 0.01)
@@ -165,32 +165,32 @@ def test_people_keep_the_speed_limit_of_a_zone(run, people, seed):
     assert np.median(change) <= 2.5 and speeds_within(walked, shapely.box(0, 0, 20, 10)).max() > 0.9
 
 
-def test_agvs_wait_for_what_is_in_their_way(run):
+def test_agvs_wait_for_obstacles_in_their_way(run):
     moves = "duration: 90\nagvs: {cart: [{time: 1, to: east}, {time: 60, to: west}]}\n"
     text = moves + (
         "doors: {lower: {closed: [[0, 20]]}}\n"
         "obstacles: {pallet: {x: [14, 15], y: [2.5, 3], z: [0, 1], there: [[8, 40]]}}\n"
     )
-    found = run(text, WITH_CART)
-    cart, door = found.motions["cart"], floorplan.parse(TWO_ROOMS).doors["lower"].footprint
+    finished = run(text, WITH_CART)
+    cart, door = finished.motions["cart"], floorplan.parse(TWO_ROOMS).doors["lower"].footprint
     for shape, begin, end in ((door, 0, 20), (shapely.box(14, 2.5, 15, 3), 8, 40)):
         for t in np.arange(begin, end, 0.05):
             x, y = cart.position(t)
             assert not shapely.box(x - 0.6, y - 0.4, x + 0.6, y + 0.4).intersects(shape)
-    blocked = events(found, "agv_blocked")
+    blocked = events(finished, "agv_blocked")
     assert [e["by"] for e in blocked] == ["lower", "pallet"]
     assert cart.position(58.0)[0] == pytest.approx(18.0)
     assert cart.position(90.0)[0] == pytest.approx(2.0)
 
 
-def test_agvs_brake_for_what_comes_and_slow_down_in_zones(run):
+def test_agvs_brake_for_new_obstacles_and_slow_down_in_zones(run):
     zone = "zones: {slow: {x: [6, 9], y: [0, 5], max_speed: 0.3, concerns: [cart]}}\n"
     text = (
         "duration: 80\nagvs: {cart: {moves: [{time: 0, to: east}], yield: true}}\n"
         "obstacles: {pallet: {x: [16, 17], y: [2, 3], z: [0, 1], there: [[22, 40]]}}\n"
     )
-    found = run(text, WITH_CART + zone)
-    cart = found.motions["cart"]
+    finished = run(text, WITH_CART + zone)
+    cart = finished.motions["cart"]
     times = np.arange(0.0, 80.0, 0.01)
     x, speed = cart.position(times)[:, 0], np.hypot(*cart.velocity(times).T)
     assert (speed[(x > 5.4) & (x < 9.6)] <= 0.3 + 1e-6).all() and speed.max() > 0.9
@@ -204,12 +204,12 @@ def test_a_move_to_nowhere_hides_no_move_into_a_forbidden_zone(run):
     lanes = WITH_CART.replace("[2, 2.75]}}", "[2, 2.75]}, van: {origin: [2, 7.25]}}")
     zone = "zones: {cell: {x: [12, 14], y: [5, 10], forbidden: true, concerns: [van]}}\n"
     moves = "agvs: {cart: [{time: 0, to: nowhere}], van: [{time: 0, to: east}]}\n"
-    with pytest.raises(sim.TrialError, match="no location 'nowhere'") as told:
+    with pytest.raises(sim.TrialError, match="no location 'nowhere'") as error:
         run("duration: 10\n" + moves, lanes + zone)
-    assert "leads into the zone 'cell', forbidden to van" in str(told.value)
+    assert "leads into the zone 'cell', forbidden to van" in str(error.value)
 
 
-def test_a_trial_without_any_of_it_has_nothing_of_it():
+def test_a_trial_without_changing_places_has_none():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1}"))
     assert not run.scene.passing and not run.floorplan.doors
 
@@ -267,7 +267,7 @@ doors: {gate: {closed: [[AT, 19]]}}
 @pytest.mark.parametrize("most", [0.8, 2.5])
 @pytest.mark.parametrize("at", [5.2, 5.7, 6.0, 6.3, 6.6])
 def test_people_do_not_walk_through_a_closed_door(at, most, count, tmp_path):
-    """Whoever can stop before it does, and who can't is out of it soon after."""
+    """People stop before it if they can. The others leave it soon after."""
     (tmp_path / "east.asl").write_text("+human_start <- move(11, 3, 0).\n")
     text = ROOMS.replace("AT", str(at)).replace("MOST", str(most)).replace("COUNT", str(count))
     if count > 1:

@@ -14,7 +14,7 @@ def floorwalker(floorwalker):
     return called
 
 
-def test_a_way_in_words(floorwalker):
+def test_a_path_in_words(floorwalker):
     done = floorwalker("plan", "ariac2023", -15, -10, -5, 3.75)
     lines = done.stdout.splitlines()
     assert lines[0].startswith("Roadmap: length 17.002 m, clearance 0.997 m")
@@ -23,7 +23,7 @@ def test_a_way_in_words(floorwalker):
     assert done.stderr == ""
 
 
-def test_a_way_as_json_with_options(floorwalker):
+def test_a_path_as_json_with_options(floorwalker):
     done = floorwalker(
         *("plan", "ariac2023", -11.3, 6, -11.3, 3.5, "--json", "--radius", 0.25),
         *("--planner", "RRTConnect: {range: 2}", "--seed", 3, "--agv", "agv1=9.0"),
@@ -38,7 +38,7 @@ def test_a_way_as_json_with_options(floorwalker):
     assert done.stderr == ""
 
 
-def test_no_way_is_one_sentence_and_exit_1(floorwalker):
+def test_no_path_is_one_sentence_and_exit_1(floorwalker):
     done = floorwalker("plan", "ariac2023", -15, -10, -7.5, 3, ok=False)
     assert done.returncode == 1
     assert done.stdout == ""

@@ -1,4 +1,4 @@
-"""Pictures show what happened: their curves are the motions, their marks the referee's."""
+"""Pictures of runs: their curves are the motions, and their marks the referee's."""
 
 import io
 import math
@@ -53,13 +53,13 @@ def curve(axes, label):
 
 
 def broken_at(t):
-    """Between which instants a curve has a gap."""
+    """Return the times before and after each gap of a curve."""
     (gaps,) = np.nonzero(np.isnan(t))
     return [(t[gap - 1], t[gap + 1]) for gap in gaps]
 
 
 def recorded(scene, duration, events, motions):
-    """A run in which only these events and motions happened."""
+    """Return a run with only these events and motions."""
     return Recorded(scene, duration, summary={}, events=events, motions=motions, violations={})
 
 
@@ -87,9 +87,9 @@ def test_a_curve_follows_its_motion_and_breaks_where_it_jumps(one, other, begin,
         motions.append(join(walks))
     end = begin + length
     t = instants(motions, begin, end)
-    known = t[~np.isnan(t)]
-    assert known[0] == begin
-    assert known[-1] == pytest.approx(end) and (np.diff(known) >= 0).all()
+    times = t[~np.isnan(t)]
+    assert times[0] == begin
+    assert times[-1] == pytest.approx(end) and (np.diff(times) >= 0).all()
     jumps = sorted({j for motion in motions for j in motion.jumps if begin < j < end})
     assert [after for _, after in broken_at(t)] == jumps
     stretches = np.split(t, np.flatnonzero(np.isnan(t)))
@@ -98,7 +98,8 @@ def test_a_curve_follows_its_motion_and_breaks_where_it_jumps(one, other, begin,
         between = np.linspace(nodes[0], nodes[-1], 97)
         for motion in motions:
             drawn = [np.interp(between, nodes, motion.position(nodes)[:, k]) for k in (0, 1)]
-            # Nobody brakes harder than 2.5 m/s²: a chord of 0.1 s is off by 2.5 · 0.1² / 8.
+            # No person brakes harder than 2.5 m/s², so a chord of 0.1 s is off by at most 2.5 ·
+            # 0.1² / 8.
             assert np.abs(np.column_stack(drawn) - motion.position(between)).max() < 0.0033
 
 
@@ -126,7 +127,7 @@ def test_separation_shows_distance_and_requirement_as_they_were(run):
 
 
 def gantry_top_speed(run):
-    """While ada walks at 1 m/s: the requirement adds this times t1 = 1 s."""
+    """Return the top speed while ada walks at 1 m/s. The requirement adds it times t1 = 1 s."""
     t = instants([run.motions["gantry"], run.motions["ada"]], 0.0, run.duration)
     t = t[~np.isnan(t)]
     speeds = [np.hypot(*run.motions[body].velocity(t).T) for body in ("gantry", "ada")]
@@ -176,7 +177,7 @@ def test_separation_of_a_long_run_is_drawn_in_columns(run, monkeypatch):
         assert shown <= math.dist(ada.state(instant).at, gantry.state(instant).at) + 1e-9
 
 
-def test_of_several_vehicles_the_one_is_shown_that_came_too_close(run):
+def test_the_vehicle_that_came_too_close_is_shown(run):
     vehicles = tuple(one for one in run.scene.machines if one.category == "vehicle")
     alone = replace(run, scene=replace(run.scene, machines=vehicles), violations={})
     close = replace(alone, violations={("ben", "agv3"): ((1.0, 2.0),)})
@@ -197,7 +198,7 @@ people: [{name: crew, count: 9, at: anywhere}]
 
 
 def shown(figure):
-    """The names of the people who have a panel, in their order."""
+    """Return the names of the people with a panel, in order."""
     return [axes.get_title(loc="left").split()[0] for axes in figure.axes]
 
 
@@ -210,7 +211,7 @@ def test_many_people_are_reduced_to_those_with_the_least_margin():
         figure = run.plot.separation(within=within)
         assert shown(figure) == sorted(everybody, key=least.__getitem__)[:6]
         assert "6 of 9" in figure.get_supxlabel()
-    # Nothing is required of an AGV that stands: then the nearest are shown.
+    # An AGV that stands requires no distance, so the nearest people are shown.
     nearest = {name: run.distance(name, "agv1", t).min() for name in everybody}
     figure = run.plot.separation(machine="agv1", within=within)
     assert shown(figure) == sorted(everybody, key=nearest.__getitem__)[:6]
@@ -334,8 +335,8 @@ def test_trails_break_at_teleports(run):
     assert run.motions["ada"].state_before(first).at in [*zip(x.tolist(), y.tolist(), strict=True)]
 
 
-def test_trails_on_the_same_way_can_all_be_seen():
-    """Whoever is drawn later is thinner: of the others both edges stay."""
+def test_all_trails_on_the_same_path_are_visible():
+    """Later trails are thinner, so both edges of the earlier ones stay visible."""
     plan = floorplan.parse("{boundary: [[0, 0], [10, 0], [10, 4], [0, 4]]}")
     motion = walk([(1.0, 2.0), (9.0, 2.0)], max_speed=1.0, max_acceleration=2.5)
     for count in (1, 2, 4, 12):
@@ -368,7 +369,7 @@ def test_a_part_of_a_run(run):
 
 
 def test_a_heat_map_adds_up(run):
-    """A person's disc covers π r² for all the time since the start."""
+    """The disc of a person covers π r² during all the time since the start."""
     seconds = time_covered(run)
     area = HEAT_CELL**2 * seconds.sum()
     everybody = math.pi * 0.3**2 * (60.0 + 55.0)
@@ -398,7 +399,7 @@ def test_a_heat_map_shows_the_time_of_people_in_each_cell():
     np.testing.assert_allclose(two.filled(0.0), 2 * seconds)
 
 
-def test_a_heat_map_without_people_is_refused():
+def test_a_heat_map_without_people_is_rejected():
     alone = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1, people: []}"))
     with pytest.raises(ValueError, match="a heat map needs a person; there is none"):
         plots.heat_map(alone)
@@ -416,14 +417,14 @@ machines: {cart: {kind: amr, at: [3.0, 17.0, 0.0], missions: [{go: dock}]}}
     assert axes.get_ylim() == (0.0, 4.0)
 
 
-def test_a_heat_map_of_different_floors_is_refused(run):
+def test_a_heat_map_of_different_floors_is_rejected(run):
     other = sim.run(sim.Trial(floorplan.load("warehouse"), duration=1.0))
     with pytest.raises(ValueError, match="not on the same floor"):
         plots.heat_map([run, other])
 
 
 def test_density_and_speed_are_gaussian_profiles(run):
-    """Beside the sum of Gaussians itself, at the cells where people are, and at others."""
+    """Compare with a sum of Gaussians at cells with people and at others."""
     density, speed = profiles_of(run)
     assert density.sum() * 0.1**2 == pytest.approx(len(run.scene.people), rel=0.02)
     times = np.arange(0.005, run.duration, 0.01)
@@ -479,7 +480,7 @@ FLOORS = (
 
 @cache
 def floor(name, width):
-    """A floor with all its names, and its picture: where names stand takes a while to find."""
+    """Return a floor and its picture, cached because the placement of names takes a while."""
     plan = floorplan.load(name)
     (axes,) = plots.floorplan(plan, width=width).axes
     axes.figure.draw_without_rendering()
@@ -511,11 +512,11 @@ def test_names_of_places_cover_nothing(name, width):
 
 
 def outline(axes, text):
-    """Where a text stands on the floor, metres."""
+    """Return the box of a text on the floor (m)."""
     return box(*text.get_window_extent().transformed(axes.transData.inverted()).extents)
 
 
-def test_names_of_stations_keep_off_the_marks_of_violations():
+def test_names_of_stations_avoid_the_marks_of_violations():
     plan = floorplan.load("ariac2023")
     stations = {station.name for station in plan.stations}
 
@@ -523,8 +524,8 @@ def test_names_of_stations_keep_off_the_marks_of_violations():
         _, axes = floor_figure(plan, "double")
         draw_floor(axes, plan)
         draw_names(axes, plan, marked=marked)
-        found = {text.get_text(): outline(axes, text) for text in axes.texts}
-        return {name: found[name] for name in stations}
+        outlines = {text.get_text(): outline(axes, text) for text in axes.texts}
+        return {name: outlines[name] for name in stations}
 
     marks = {name: area.centroid for name, area in names([]).items()}
     for name, area in names([(at.x, at.y) for at in marks.values()]).items():
@@ -632,7 +633,7 @@ def test_the_command_draws(words, folder, tmp_path, floorwalker):
 
 
 def test_the_note_of_a_picture_is_printed(folder, tmp_path, floorwalker):
-    """Under the rules of ARIAC violations put people elsewhere: no time goes by in them."""
+    """Violations under the rules of ARIAC end at once by a teleport, so they have no duration."""
     out = tmp_path / "picture.svg"
     done = floorwalker("plot", "riskmap", folder, "--of", "time", "--out", out)
     assert (done.returncode, done.stdout) == (0, f"{out}\n")
@@ -659,7 +660,7 @@ def test_bad_input_is_one_sentence(words, why, tmp_path, floorwalker):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_run_that_was_broken_off_is_drawn(folder, tmp_path, floorwalker):
+def test_an_interrupted_run_is_drawn(folder, tmp_path, floorwalker):
     broken = shutil.copytree(folder, tmp_path / "broken")
     for name in ("summary.json", "violations.jsonl"):
         (broken / name).unlink()

@@ -1,4 +1,4 @@
-"""Goals that nobody and no machine of a trial can reach, as `check` and a run name them."""
+"""Goals that no person or machine of a trial can reach, as reported by `check` and by a run."""
 
 import pytest
 
@@ -48,9 +48,9 @@ def problems(floor, rest):
     ],
 )
 def test_a_place_forbidden_to_a_vehicle_is_an_error_at_its_line(floor, key):
-    found = problems(floor, CART)
-    assert found.keys() == {f"machines.cart.{key}"}
-    assert found[f"machines.cart.{key}"].line is not None
+    reported = problems(floor, CART)
+    assert reported.keys() == {f"machines.cart.{key}"}
+    assert reported[f"machines.cart.{key}"].line is not None
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,7 @@ def test_a_station_in_reach_needs_no_notice():
         "people: [{name: ann, personality: worker, schedule: [{time: 1, at: a, duration: 3}]}]"
     )
     assert not notices(WALL, employed)
-    # Whoever comes too close is put into the safe zone, from where the other station is in reach.
+    # After a violation the person is in the safe zone, from which the other station is in reach.
     teleported = FLOOR.replace("observe", "paper").replace("[3, 3]", "[21, 3]")
     trial = sim.Trial.parse(teleported.format(floor=WALL, rest="people: [{name: ann, at: a}]"))
     assert not any("cannot reach" in one.message for one in trial.notices)

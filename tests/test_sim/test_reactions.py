@@ -1,4 +1,4 @@
-"""How long people wait before they react: by the rules, by the trial, and by their agent's lag."""
+"""Reaction times of people: by the rules, by the trial, and by the lag of their agents."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ def scene(personality, rules="ariac2023", more=""):
 
 
 def wait(run):
-    """Seconds between the first notice of the gantry and the next goal."""
+    """Return the time between the first notice of the gantry and the next goal (s)."""
     noticed = events(run, "gantry_detected")[0]["t"]
     return next(one["t"] for one in events(run, "goal") if one["t"] >= noticed) - noticed
 
@@ -53,7 +53,7 @@ def test_a_waiting_person_is_stationary():
     run = scene("antagonistic")
     noticed = events(run, "gantry_detected")[0]["t"]
     at = run.motions["operator"].state
-    # From 1.0 m/s at 2.5 m/s² it takes 0.4 s to stand.
+    # A person at 1.0 m/s needs 0.4 s to stop at 2.5 m/s².
     stopped = pytest.approx(at(noticed + 0.4).at, abs=1e-6)
     assert at(noticed + 2.5).at == stopped
     assert at(noticed + 3.0).at != stopped
@@ -79,7 +79,7 @@ def test_a_reaction_is_a_time(seconds):
 
 
 def lags(run):
-    """Seconds from each arrival to the next goal."""
+    """Return the time from each arrival to the next goal (s)."""
     goals = [one["t"] for one in events(run, "goal")]
     arrivals = [one["t"] for one in events(run, "arrived")]
     return [min(t for t in goals if t >= then) - then for then in arrivals if then < goals[-1]]
@@ -91,16 +91,16 @@ def test_an_agent_lags_behind_what_happens():
     assert lags(run) == pytest.approx([0.75] * len(lags(run)), abs=1e-9)
 
 
-def test_a_lag_is_drawn_anew_for_each_thought_from_the_seed_and_the_name():
+def test_a_lag_is_drawn_for_each_thought_from_the_seed_and_the_name():
     one = scene("indifferent", "observe", ", agent_lag: [0, 1.05]")
-    found = lags(one)
-    assert len({round(lag, 6) for lag in found}) == len(found) > 5
-    assert all(0 <= lag <= 1.05 for lag in found)
-    assert lags(scene("indifferent", "observe", ", agent_lag: [0, 1.05]")) == found
+    drawn = lags(one)
+    assert len({round(lag, 6) for lag in drawn}) == len(drawn) > 5
+    assert all(0 <= lag <= 1.05 for lag in drawn)
+    assert lags(scene("indifferent", "observe", ", agent_lag: [0, 1.05]")) == drawn
     trial = sim.Trial.parse(
         SCENE.format(rules="observe", personality="indifferent", more=", agent_lag: [0, 1.05]")
     )
-    assert lags(sim.run(replace(trial, seed=1))) != found
+    assert lags(sim.run(replace(trial, seed=1))) != drawn
 
 
 def test_an_agent_that_lags_is_sent_home_once_and_walks_until_then():
@@ -116,7 +116,7 @@ def test_an_agent_that_lags_is_sent_home_once_and_walks_until_then():
     assert walked.state(violation["t"] + 0.5).speed > 0
 
 
-def test_a_program_that_asks_for_nothing_is_sent_home_when_its_agent_has_thought(tmp_path):
+def test_a_program_without_a_reaction_is_sent_home_when_its_agent_has_thought(tmp_path):
     (tmp_path / "deaf.asl").write_text("+human_start <- move(-3, 0, 0).")
     run = scene(tmp_path / "deaf.asl", more=", agent_lag: 0.75")
     violation, teleport = events(run, "violation")[0], events(run, "teleport")[0]
@@ -136,14 +136,14 @@ def test_a_lag_is_written_and_read_again():
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("lag", "message"),
     [
         ("agent_lag: -1", "agent_lag"),
         ("agent_lag: [2, 1]", "agent_lag"),
         ("agent_lag: 1, personality: external", "agent_lag: .*no agent; omit it"),
     ],
 )
-def test_a_lag_that_cannot_be(given, message):
-    text = f"floorplan: ariac2023\npeople: [{{name: a, {given}}}]\n"
+def test_an_invalid_lag_is_rejected(lag, message):
+    text = f"floorplan: ariac2023\npeople: [{{name: a, {lag}}}]\n"
     with pytest.raises(sim.TrialError, match=message):
         sim.Trial.parse(text)

@@ -1,4 +1,4 @@
-"""People who walk as ROS 2 bags have them: poses, odometry, people and transforms."""
+"""Recorded people from ROS 2 bags: poses, odometry, people and transforms."""
 
 import math
 
@@ -98,7 +98,7 @@ TIMES = np.arange(0.0, 8.01, 0.5)
 
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
 def test_recorded_people_walk_as_in_a_bag(tmp_path, storage):
-    """Through every pose, at the headers' times; a folder or the file in it, body by body."""
+    """They pass every pose at the header's time. A folder, its file, or one body may be named."""
     topics = {
         "/eve/pose": [stamped(t, 2 + t, 5.0, 0.5) for t in TIMES],
         "/robot/odom": [odometry(t + 0.25, 2 + 1.5 * t, 7.0) for t in TIMES],
@@ -171,7 +171,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_bags_are_refused_with_topic_and_message(tmp_path, name):
+def test_bad_bags_are_rejected_with_topic_and_message(tmp_path, name):
     topics, message = BAD[name]
     a_bag(tmp_path / "bag", topics)
     with pytest.raises(sim.TrialError) as refused:
@@ -197,7 +197,7 @@ def test_a_folder_that_is_no_bag_is_an_error(tmp_path):
 
 
 def test_a_bag_without_definitions_of_people_is_read(tmp_path):
-    """As those of SQLite before version 9 of their format."""
+    """SQLite bags before version 9 of the format contain no definitions."""
     a_bag(tmp_path / "bag", {"/seen": [people(t, mo=(3.0 + t, 2.0)) for t in TIMES]}, "SQLITE3")
     trial = sim.Trial.parse(HALL + "people: [{name: mo, recorded: bag}]\n", folder=tmp_path)
     at = sim.run(trial).motions["mo"].position(TIMES[1] - TIMES[0])

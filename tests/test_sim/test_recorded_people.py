@@ -1,4 +1,4 @@
-"""People who walk as they were measured: where their tracks come from, and who minds them."""
+"""Recorded people: the sources of their tracks, and other people beside them."""
 
 import math
 
@@ -17,7 +17,7 @@ floorplan:
 
 
 def straight(name="eve", begin=(1.0, 5.0), speed=1.2, until=15.0, step=0.5):
-    """Rows of somebody who walks along x, t = 0 first."""
+    """Return rows of a person who walks along x, t = 0 first."""
     times = np.arange(0.0, until + 1e-9, step)
     return [f"{t:.3f},{name},{begin[0] + speed * t:.6f},{begin[1]:.6f}" for t in times]
 
@@ -60,7 +60,7 @@ def test_recorded_people_walk_through_their_samples_from_the_start(tmp_path):
     assert person["distance_walked"] == pytest.approx(length, rel=1e-6)
 
 
-def test_the_monitor_watches_them_like_anybody(tmp_path):
+def test_the_monitor_watches_recorded_people_like_others(tmp_path):
     """The violations are those of the same motion alone, however often others look ahead."""
     tracks(tmp_path, *straight("eve", (-14.0, 0.0), 1.3, 10.0))
     entry = sim.Trial.parse(
@@ -78,8 +78,8 @@ gantry: {controller: parked, at: [-5.0, 2.0, 0.0]}
     walk = navigation.Motion.from_samples(times, np.column_stack([-14 + 1.3 * times, 0 * times]))
     gantry = navigation.standing((-5.0, 2.0))
     expected = navigation.violations(walk, gantry, entry.rules.gantry_law, 0.0, 30.0)
-    found = run.violations["eve", "gantry"]
-    assert len(expected) > 0 and np.allclose(found, expected, atol=1e-3)
+    intervals = run.violations["eve", "gantry"]
+    assert len(expected) > 0 and np.allclose(intervals, expected, atol=1e-3)
     assert not [event for event in run.events if event["kind"] == "teleport"]
 
 
@@ -114,18 +114,18 @@ class OfMotions:
     ],
 )
 def test_a_violation_ends_with_a_track_that_ends_in_motion(tmp_path, law):
-    """Beside who stands, each of these laws requires less than the 1.7 m that are left."""
+    """Each of these laws requires less than the remaining 1.7 m beside a person who stands."""
     (tmp_path / "own_laws.py").write_text(OWN_LAWS)
     tracks(tmp_path, *straight("eve", (-12.0, 0.0), 1.0, 4.0))
-    given = trial(
+    tracked = trial(
         tmp_path,
         f"rules: {{based_on: observe, name: ours, gantry_law: {{{law}}}}}\n"
         "gantry: {controller: parked, at: [-6.3, 0, 0]}\n",
         ENDS_IN_MOTION,
     )
-    run = sim.run(given)
+    run = sim.run(tracked)
     expected = navigation.violations(
-        run.motions["eve"], run.motions["gantry"], given.rules.gantry_law, 0.0, 30.0
+        run.motions["eve"], run.motions["gantry"], tracked.rules.gantry_law, 0.0, 30.0
     )
     assert expected[-1][1] == 4.0
     assert np.allclose(run.violations["eve", "gantry"], expected, rtol=0.0, atol=1e-6)
@@ -146,7 +146,7 @@ def test_a_protective_stop_ends_with_a_track_that_ends_in_motion(tmp_path):
     assert stops == [("protective_stop", 2.1), ("protective_stop_ended", 3.0)]
 
 
-def test_others_walk_round_them_and_step_aside(tmp_path):
+def test_others_walk_round_recorded_people_and_step_aside(tmp_path):
     tracks(tmp_path, *straight("eve"), *straight("max", (1.0, 6.5), 0.9))
     (tmp_path / "go.asl").write_text("+human_start <- move(1.0, 5.2, 0).")
     run = sim.run(
@@ -230,7 +230,7 @@ rules: {based_on: paper, agv_law: {fixed: 40.0}}
 
 @pytest.fixture(scope="module")
 def put_home(tmp_path_factory):
-    """A run in which everybody is put home twice, with all that is written of it."""
+    """A run in which all people are put home twice, and all its files."""
     folder = tmp_path_factory.mktemp("written")
     recording = sim.Recording(folder / "run")
     run = sim.run(sim.Trial.parse(PUT_HOME + PUT_HOME_PEOPLE), recording)
@@ -251,8 +251,8 @@ def put_home(tmp_path_factory):
         ("bag", 20.0, 1e-12),
     ],
 )
-def test_all_that_is_written_of_a_run_can_be_walked_again(put_home, file, rate, accuracy):
-    """Through all that was sampled, whoever was put home: the jumps are those of the run."""
+def test_all_files_of_a_run_can_be_walked_again(put_home, file, rate, accuracy):
+    """They pass all samples, and teleports home are the jumps of the run."""
     first, folder = put_home
     names = [name for name in first.motions if name != "cart"]
     people = ", ".join(f"{{name: {name}, recorded: {file}}}" for name in names)
@@ -261,10 +261,10 @@ def test_all_that_is_written_of_a_run_can_be_walked_again(put_home, file, rate, 
         begin, end = first.presence[name]
         jumps = sorted(t for t in first.motions[name].jumps if begin < t < end)
         assert len(jumps) == 2 if name in ("eve", "max") else end < first.duration
-        if not file.endswith(".sqlite"):  # has frames only
+        if not file.endswith(".sqlite"):  # this format has frames only
             inside = sorted(t for t in again.motions[name].jumps if begin + 1e-6 < t < end - 1e-6)
             assert inside == pytest.approx(jumps, abs=1e-9)
-        if file in ("run.mcap", "bag"):  # have the jumps onto the floor and off it
+        if file in ("run.mcap", "bag"):  # these formats have the jumps onto the floor and off it
             assert again.presence[name] == pytest.approx((begin, end), abs=1e-8)
         times = np.arange(0.0, 45.0 + 1e-9, 1 / rate)
         times = times[(times >= begin) & (times < end)]
@@ -348,7 +348,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_tracks_are_refused_with_their_row(tmp_path, name):
+def test_bad_tracks_are_rejected_with_their_row(tmp_path, name):
     rows, message = BAD[name]
     tracks(tmp_path, *rows)
     with pytest.raises(sim.TrialError) as refused:
@@ -382,8 +382,8 @@ people:
 """
 
 
-def test_people_behind_somebody_who_will_walk_on_are_no_deadlock(tmp_path):
-    """Eve stands in an aisle for one for a minute. The two behind her do not move meanwhile."""
+def test_people_behind_a_person_who_will_walk_on_are_no_deadlock(tmp_path):
+    """Eve stands in a single-file aisle for a minute. The two behind her do not move meanwhile."""
     tracks(
         tmp_path,
         *(f"{t},eve,3,0.35" for t in range(61)),

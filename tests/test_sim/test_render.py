@@ -1,4 +1,4 @@
-"""Films show the replay page at every instant; they play as long as they should."""
+"""Films of the replay page: their frames, their duration and their files."""
 
 import asyncio
 import subprocess
@@ -30,7 +30,7 @@ agvs: {agv1: [{time: 2.0, to: assembly_front}]}
 
 
 def pictures_in(path):
-    """Pictures of a GIF, and how long each is shown (milliseconds)."""
+    """Return the pictures of a GIF, and how long each is shown (ms)."""
     pictures, durations = [], []
     with images.open(path) as film:
         for k in range(film.n_frames):
@@ -41,14 +41,16 @@ def pictures_in(path):
 
 
 @needs_browser
-def test_a_film_is_as_long_and_as_large_as_asked_for(run, tmp_path):
-    told = []
+def test_a_film_has_the_requested_duration_and_size(run, tmp_path):
+    reported = []
     out = tmp_path / "run.gif"
-    plots.render(run, out, speed=10.0, fps=2, width=401, within=(0.0, 25.0), progress=told.append)
+    plots.render(
+        run, out, speed=10.0, fps=2, width=401, within=(0.0, 25.0), progress=reported.append
+    )
     pictures, durations = pictures_in(out)
     assert {picture.shape[1] for picture in pictures} == {400}
     assert sum(durations) == 6 * 500
-    assert told == pytest.approx([k / 6 for k in range(1, 7)])
+    assert reported == pytest.approx([k / 6 for k in range(1, 7)])
 
 
 @needs_browser
@@ -58,7 +60,7 @@ def test_an_mp4_has_all_pictures_and_the_same_bytes(run, tmp_path):
     record(sim.Trial.parse(TRIAL), tmp_path / "run")
     words = ["run", "--fps", 1, "--width", 333, "--from", 12, "--to", 36]
     for name, litter in (("a.mp4", "0"), ("b.mp4", "1")):
-        # What glibc leaves in memory that nobody has written to yet.
+        # bytes that glibc leaves in uninitialized memory
         env = {"MALLOC_PERTURB_": litter}
         done = in_a_process("render", *words, "--out", name, cwd=tmp_path, env=env)
         assert done.returncode == 0, done.stderr
@@ -76,7 +78,7 @@ def test_an_mp4_has_all_pictures_and_the_same_bytes(run, tmp_path):
 
 @needs_browser
 @pytest.mark.slow
-def test_a_full_disk_is_said_and_leaves_no_film(tmp_path):
+def test_a_full_disk_is_reported_and_leaves_no_film(tmp_path):
     code = """
 import resource, signal, sys
 import sim

@@ -1,4 +1,4 @@
-"""Repeats of a study: identical ones, sequential stopping, and how many are needed."""
+"""Repeats of a study: identical ones, sequential stopping, and the number needed."""
 
 import numpy as np
 import pytest
@@ -29,8 +29,8 @@ def study(folder, text):
     return sim.Study.load(path)
 
 
-def run(folder, text, out="out", **given):
-    return sim.run_study(study(folder, text), folder / out, jobs=1, **given)
+def run(folder, text, out="out", **options):
+    return sim.run_study(study(folder, text), folder / out, jobs=1, **options)
 
 
 GRID = "grid: {personality: [indifferent, antagonistic]}\n"
@@ -56,7 +56,7 @@ def test_repeats_that_draw_something_are_all_counted(folder):
     assert [len(group.rows) for group in results.comparison.groups] == [3, 3]
 
 
-def test_the_command_and_the_check_tell_of_identical_repeats(folder, monkeypatch):
+def test_the_command_and_the_check_report_identical_repeats(folder, monkeypatch):
     monkeypatch.chdir(folder)
     study(folder, GRID + "repeat: 3\n")
     outcome = CliRunner().invoke(app, ["check", "some.study.yaml"])
@@ -75,7 +75,7 @@ def test_a_study_ends_once_its_intervals_are_narrow(folder):
     repetitions = len(results) // 2
     assert 4 <= repetitions < 12
     assert results.width(figure) <= 2.5
-    # One repetition less was not enough, unless it was too few.
+    # One repetition less is not enough, unless it is below the minimum.
     columns = {name: values[: len(results) - 2] for name, values in results.columns.items()}
     before = type(results)(results.study, results.folder, columns)
     assert repetitions == 4 or before.width(figure) > 2.5

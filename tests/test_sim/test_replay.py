@@ -1,4 +1,4 @@
-"""The replay page, in a real browser where there is one."""
+"""The replay page in a real browser, if there is one."""
 
 import copy
 import itertools
@@ -27,7 +27,7 @@ def shared(open_shared_page, recording):
 
 @pytest.fixture
 def viewer(shared):
-    """The sample, at its beginning."""
+    """The sample at its beginning."""
     shared.page.evaluate("window.floorwalker.pause()")
     shared.page.locator("#speed").select_option("1")
     shared.page.locator("#watch").select_option("0")
@@ -105,22 +105,22 @@ def test_a_long_recording_is_packed(recording, open_page, monkeypatch):
     for damaged in (*damages, html[:late] + "?" + html[late + 1 :]):
         part = open_page(damaged)
         assert "cut off or damaged; this is what there is" in part.text("#notice")
-        found = part.page.evaluate("floorwalker.recording")
+        unpacked = part.page.evaluate("floorwalker.recording")
         for name in ("events", "watches"):
-            assert found[name] == whole[name][: len(found[name])]
+            assert unpacked[name] == whole[name][: len(unpacked[name])]
         for kind in ("motions", "minds"):
-            for name, things in found[kind].items():
+            for name, things in unpacked[kind].items():
                 assert things == whole[kind][name][: len(things)]
-        shown.append(len(found["bodies"]) + len(found["events"]))
+        shown.append(len(unpacked["bodies"]) + len(unpacked["events"]))
         assert part.complaints == []
     assert shown == sorted(shown)
-    assert (shown[0], shown[-1]) == (0, len(whole["bodies"]) + len(found["events"]))
+    assert (shown[0], shown[-1]) == (0, len(whole["bodies"]) + len(unpacked["events"]))
     with pytest.raises(ValueError, match="damaged"):
         replay.recordings_in(html[:late] + "?" + html[late + 1 :])
 
 
 @pytest.mark.parametrize("form", [None, "floorwalker-replay/2"])
-def test_another_format_is_refused(recording, form):
+def test_another_format_is_rejected(recording, form):
     with pytest.raises(ValueError, match="floorwalker-replay/1"):
         replay.render({**recording, "format": form})
 
@@ -134,7 +134,7 @@ def test_values_that_json_lacks_are_rejected(recording, value):
 # ── the page at work ──
 
 
-def test_it_loads_without_complaint_or_network(viewer):
+def test_the_page_loads_without_errors_or_requests(viewer):
     assert viewer.page.locator("#cut-off").count() == 0
     assert viewer.text("#title") == "ariac2023 · sample"
     assert viewer.page.title() == "ariac2023 · sample – Floorwalker replay"
@@ -142,7 +142,7 @@ def test_it_loads_without_complaint_or_network(viewer):
     assert [url for url in viewer.requests if not url.startswith(("file:", "data:"))] == []
 
 
-def test_poses_are_those_of_the_motions(viewer, recording):
+def test_poses_equal_the_motions(viewer, recording):
     for name, pieces in recording["motions"].items():
         for t in [*INSTANTS, *(piece[0] for piece in pieces[:: len(pieces) // 12 + 1])]:
             shown = viewer.page.evaluate(
@@ -166,7 +166,7 @@ def test_the_instant_before_a_change_shows_the_earlier_motion(viewer, recording)
             assert state == pytest.approx(replay_sample.before([piece], piece[1]), abs=1e-9)
 
 
-def test_the_way_ahead_ends_where_the_person_next_stops(viewer, recording):
+def test_the_path_ahead_ends_where_the_person_next_stops(viewer, recording):
     events = [e for e in recording["events"] if e.get("person") == "operator"]
     for goal, arrived in itertools.pairwise(events):
         if (goal["kind"], arrived["kind"]) != ("goal", "arrived"):
@@ -203,20 +203,20 @@ def test_dashes_of_the_path_ahead_lie_still_until_the_person_is_on_them(viewer, 
     )
     assert sum(map(len, shown)) > 100
     for drawn, expected in zip(shown, fresh, strict=True):
-        # What is shorter than a hair is rounding.
+        # Shorter dashes are rounding.
         middles = [row[12:15] for row in drawn if math.hypot(row[0], row[1]) > 1e-4]
         assert middles == [
             pytest.approx(row[9:12], abs=1e-4) for row in expected if math.hypot(*row[:2]) > 1e-4
         ]
 
 
-def test_a_stop_without_a_pause_ends_the_way_ahead(viewer):
+def test_a_stop_without_a_pause_ends_the_path_ahead(viewer):
     there_and_back = [[0, 1, [0, 2, -1], [0], [0]], [1, 2, [1, 0, -1], [0], [3]]]
     ahead = viewer.page.evaluate("p => new Track(new Motion(p)).ahead(0.5)", there_and_back)
     assert ahead[-1] == pytest.approx([1.0, 0.0])
 
 
-def test_separations_are_those_of_the_motions(viewer, recording):
+def test_separations_equal_the_motions(viewer, recording):
     motions = recording["motions"]
     for k, watch in enumerate(recording["watches"]):
         for t in INSTANTS:
@@ -232,7 +232,7 @@ def test_separations_are_those_of_the_motions(viewer, recording):
 
 
 @pytest.mark.parametrize("t", INSTANTS)
-def test_the_numbers_shown_are_those_of_the_instant(viewer, recording, t):
+def test_the_numbers_shown_are_those_of_the_current_time(viewer, recording, t):
     motions = recording["motions"]
     viewer.seek(t)
     distance, required = replay_sample.separation(
@@ -303,7 +303,7 @@ people: [{name: GUEST, source: {at: [1, 2], rate: 0.5, count: 4}, sink: [29, 2]}
 """.replace("GUEST", "guest" * 6)
 
 
-def test_people_with_long_names_who_come_and_go(open_page):
+def test_people_with_long_names_may_enter_and_leave(open_page):
     run = sim.run(sim.Trial.parse(CROWD, file="crowd.yaml"))
     viewer = open_page(replay.render(rounded(replay_data(run))))
     assert viewer.page.locator("#compare").bounding_box()["x"] < 1280
@@ -319,7 +319,9 @@ def test_people_with_long_names_who_come_and_go(open_page):
 
 
 def spread(distance):
-    """The density (1/m²) of a person so far (m) off: a Gaussian, 1 m wide at half its height."""
+    """Return the density (1/m²) of a person at this distance (m): a Gaussian, 1 m wide at half
+    height.
+    """
     sigma = 1.0 / (2.0 * math.sqrt(2.0 * math.log(2.0)))
     return math.exp(-(distance**2) / (2.0 * sigma**2)) / (2.0 * math.pi * sigma**2)
 
@@ -420,7 +422,7 @@ def test_the_summary_has_units_and_names(open_page, recording):
     assert "(crew1 and crew2)" in shown["nearest people"]
 
 
-def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recording):
+def test_the_noticing_distance_has_its_own_law_and_cap(open_page, recording):
     strict = copy.deepcopy(recording)
     strict["watches"][0] |= {
         "notice": 1.75,
@@ -436,14 +438,14 @@ def test_the_noticing_distance_has_a_law_and_a_cap_of_its_own(open_page, recordi
     assert viewer.page.evaluate("window.floorwalker.separation(1, 0).notice") is None
 
 
-def test_it_plays_and_pauses(viewer):
+def test_the_page_plays_and_pauses(viewer):
     viewer.page.locator("#play").click()
     viewer.wait_until(lambda: viewer.time > 0.2)
     viewer.page.locator("#play").click()
     assert viewer.stands()
 
 
-def test_it_plays_faster_and_stops_at_the_end(viewer):
+def test_the_page_plays_faster_and_stops_at_the_end(viewer):
     viewer.seek(272.0)
     viewer.page.locator("#speed").select_option("64")
     viewer.page.locator("#play").click()
@@ -526,7 +528,7 @@ def test_the_wheel_zooms_the_time(viewer):
     for share in (0.1, 0.5, 0.9):
         viewer.page.mouse.click(left + share * width, y)
         assert viewer.time == pytest.approx(137.5 + (share - 0.5) * span, abs=0.1)
-    viewer.seek(270.0)  # what is shown follows the time
+    viewer.seek(270.0)  # the time shown follows the zoom
     cursor = viewer.page.locator("#cursor").bounding_box()
     assert left <= cursor["x"] <= left + width
     viewer.page.mouse.dblclick(left + width / 2, y)
@@ -536,14 +538,14 @@ def test_the_wheel_zooms_the_time(viewer):
     assert viewer.complaints == []
 
 
-def test_a_mark_on_the_timeline_jumps_to_its_very_instant(viewer, recording):
+def test_a_mark_on_the_timeline_jumps_to_its_exact_time(viewer, recording):
     [moved] = [e["t"] for e in recording["events"] if e.get("agv") == "agv2"]
     box = viewer.page.locator("#chart").bounding_box()
     x = box["x"] + 52 + moved / 275 * (box["width"] - 64) + 2
     y = box["y"] + box["height"] - 16 - 1.5 * 17
     viewer.page.mouse.move(x, y)
     viewer.page.mouse.down()
-    viewer.page.mouse.move(x + 2, y)  # no hand is quite still
+    viewer.page.mouse.move(x + 2, y)  # a click usually includes a small movement
     viewer.page.mouse.up()
     assert viewer.time == moved
 
@@ -563,7 +565,7 @@ def test_the_list_shows_every_event_and_jumps(viewer, recording):
 
 
 def lengthened(recording, times):
-    """The recording again and again, so many times."""
+    """Return the recording, repeated `times` times in a row."""
     long = copy.deepcopy(recording)
     period = recording["duration"]
     long["duration"] = times * period
@@ -604,17 +606,19 @@ def test_a_shift_of_eight_hours_is_shown_in_parts(open_page, recording):
             await new Promise(done => requestAnimationFrame(() => setTimeout(done)));
         }
     }""")
-    assert ":" in first.inner_text()  # the list went on to later events
+    assert ":" in first.inner_text()  # the list scrolled on to later events
     assert viewer.complaints == []
 
 
-def test_every_kind_of_event_has_a_look_and_words(viewer, event_kinds):
+def test_every_kind_of_event_has_a_mark_and_words(viewer, event_kinds):
     for table in ("LOOKS", "WORDS"):
         assert set(viewer.page.evaluate(f"Object.keys({table})")) >= set(event_kinds)
 
 
-def test_every_kind_of_event_has_a_mark_that_is_seen(viewer):
-    """On the timeline and in the list; 12 pixels wide, so that it has some 144 at most."""
+def test_every_kind_of_event_has_a_visible_mark(viewer):
+    """Marks of the timeline and the list are 12 pixels wide, so they cover about 144 pixels at
+    most.
+    """
     marks = viewer.page.evaluate("""() => Object.entries(LOOKS).map(([kind, look]) => {
         const canvas = document.createElement("canvas");
         [canvas.width, canvas.height] = [24, 24];
@@ -650,7 +654,7 @@ def test_the_current_event_stays_in_view(viewer):
     )
 
 
-def test_a_violation_is_said_in_words(viewer, recording):
+def test_a_violation_is_described_in_words(viewer, recording):
     violation = next(e for e in recording["events"] if e["kind"] == "violation")
     viewer.seek(violation["t"])
     figures = " of ".join(distinguished(violation["distance"], violation["required"])) + " m"
@@ -673,8 +677,8 @@ def test_a_violation_is_said_in_words(viewer, recording):
     ],
 )
 def test_a_distance_that_is_too_short_looks_shorter(viewer, distance, required, shown):
-    found = viewer.page.evaluate("([d, r]) => toldApart(d, r)", [distance, required])
-    assert (found["distance"], found["required"]) == distinguished(distance, required) == shown
+    texts = viewer.page.evaluate("([d, r]) => toldApart(d, r)", [distance, required])
+    assert (texts["distance"], texts["required"]) == distinguished(distance, required) == shown
 
 
 def test_the_floor_is_drawn_from_the_time_shown(viewer):
@@ -736,7 +740,7 @@ def test_light_and_dark(open_page, recording):
     assert theme.get_attribute("data-theme") == "dark"
 
 
-def test_it_fits_on_a_phone(open_page, recording):
+def test_the_page_fits_on_a_phone(open_page, recording):
     viewer = open_page(
         replay.render(recording), viewport={"width": 390, "height": 844}, has_touch=True
     )
@@ -773,7 +777,7 @@ def test_words_on_the_floor_are_whole_and_cover_no_station(open_page, recording,
     viewer = open_page(replay.render(recording), viewport={"width": width, "height": 900})
     viewer.settle()
     viewer.page.evaluate(LISTEN_TO_WORDS)
-    viewer.page.locator("#theme").click()  # the floor is painted anew
+    viewer.page.locator("#theme").click()  # this redraws the floor
     viewer.settle()
     box = viewer.page.locator(".view canvas.flat").bounding_box()
     stations = {station["name"] for station in recording["floorplan"]["stations"]}
@@ -811,7 +815,7 @@ LISTEN_TO_PLATES = """
 
 
 def listening_to_plates(open_page, trial: str, space: bool):
-    """The page of a trial at 3 s, from above or in space, with the plates drawn for that."""
+    """Return the page of a trial at 3 s, from above or in space, with its plates recorded."""
     viewer = open_page(replay.render(rounded(replay_data(sim.run(sim.Trial.parse(trial))))))
     if space:
         viewer.page.keyboard.press("3")
@@ -858,7 +862,7 @@ LISTEN_TO_DISTANCES = """
 """
 
 
-def test_of_many_people_only_distances_of_the_pair_in_focus_and_of_people_near_are_shown(open_page):
+def test_in_a_crowd_only_distances_of_the_focus_and_of_people_near_are_shown(open_page):
     crowd = (
         "{floorplan: ariac2023, duration: 4, rules: observe,"
         " people: [{name: crew, count: 25, at: anywhere}]}"
@@ -893,7 +897,7 @@ WATCH_CANVASES = """
 
 
 def test_no_canvas_is_painted_empty(open_page, recording):
-    """What resizes a canvas is told of it last before the browser paints."""
+    """An observer of sizes that is added last sees the canvas just before the browser paints."""
     viewer = open_page(replay.render(recording, recording))
     viewer.settle()
     viewer.page.evaluate(WATCH_CANVASES)
@@ -922,7 +926,7 @@ def test_two_fingers_zoom_the_floor(open_page, recording):
     viewer.wait_until(lambda: viewer.differ(whole, floor.screenshot()))
 
     def is_whole():
-        # A browser takes a tap right after a gesture for the end of it: tap until it is one.
+        # A browser ignores a tap right after a gesture, so repeat it until the floor is whole.
         viewer.page.locator("#fit").tap()
         return not viewer.differ(whole, floor.screenshot())
 
@@ -950,7 +954,7 @@ def test_an_address_can_point_at_an_instant(open_page, recording, tmp_path):
     assert viewer.time == 61.5
 
 
-def test_a_floor_with_next_to_nothing_on_it(open_page):
+def test_an_almost_empty_floor(open_page):
     bare = {
         "format": replay.FORMAT,
         "title": "bare",
@@ -980,7 +984,7 @@ def test_a_floor_with_next_to_nothing_on_it(open_page):
     assert viewer.complaints == []
 
 
-def test_names_are_shown_as_they_are(open_page, recording):
+def test_names_are_shown_unchanged(open_page, recording):
     hostile = copy.deepcopy(recording)
     name = "<img src=x onerror=alert(1)>"
     hostile["title"] = name
@@ -997,7 +1001,7 @@ def test_names_are_shown_as_they_are(open_page, recording):
 
 
 def broken(recording, change):
-    """The page with its recording changed after it was written."""
+    """Return the page with its recording changed after it was written."""
     html = replay.render(recording)
     data = copy.deepcopy(recording)
     change(data)
@@ -1055,7 +1059,7 @@ def test_the_rest_of_a_damaged_recording_is_shown_with_a_message(
 
 @pytest.mark.slow
 def test_a_truncated_page_shows_its_beginning(open_page, recording):
-    """Cut anywhere: what is shown is a part of the recording, and all the more of it."""
+    """The page may be cut anywhere. A longer page shows a longer beginning of the recording."""
     html = replay.render(recording)
     start = html.index('id="recording">')
     viewer = open_page(html[: start + 200])
@@ -1073,8 +1077,8 @@ def test_a_truncated_page_shows_its_beginning(open_page, recording):
         whole = json.loads(text)
         for name, pieces in motions.items():
             assert pieces == whole["motions"][name][: len(pieces)]
-        for found, key in zip(lists, ("events", "watches"), strict=True):
-            assert found == whole[key][: len(found)]
+        for beginning, key in zip(lists, ("events", "watches"), strict=True):
+            assert beginning == whole[key][: len(beginning)]
         sizes.append(sum(map(len, [*motions.values(), *lists])))
     assert sizes == sorted(set(sizes))
     viewer = open_page(html[: start + round(0.8 * (len(html) - start))])
@@ -1087,7 +1091,7 @@ def test_a_truncated_page_shows_its_beginning(open_page, recording):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.3, 0.9])
-def test_a_page_cut_off_in_the_middle_of_its_scripts_says_so(open_page, recording, share):
+def test_a_page_cut_off_in_the_middle_of_its_scripts_reports_it(open_page, recording, share):
     html = replay.render(recording)
     start, end = html.index("<script>"), html.index("</script>")
     viewer = open_page(html[: start + round(share * (end - start))])
@@ -1096,13 +1100,13 @@ def test_a_page_cut_off_in_the_middle_of_its_scripts_says_so(open_page, recordin
     assert "it was cut off on its way" in message.inner_text()
 
 
-def test_a_page_without_its_recording_says_so(open_page, recording):
+def test_a_page_without_its_recording_reports_it(open_page, recording):
     html = replay.render(recording)
     viewer = open_page(html[: html.index("<script type=")])
     assert "it holds no recording" in viewer.text("#trouble")
 
 
-def test_a_law_of_more_than_speeds_is_drawn_along_its_curve(open_page):
+def test_a_law_of_motions_is_drawn_along_its_curve(open_page):
     rules = "{gantry_law: {iso_ts_15066_integral: {t1: 1.0, t2: 1.5, intrusion: 1.0}}}"
     trial = f"floorplan: ariac2023\nduration: 40\npeople: [{{name: a}}]\nrules: {rules}\n"
     run = sim.run(sim.Trial.parse(trial))
@@ -1111,7 +1115,7 @@ def test_a_law_of_more_than_speeds_is_drawn_along_its_curve(open_page):
     shown = "([watch, t]) => window.floorwalker.separation(watch, t)"
     for t in (0.05, 1.3, 5.1, 12.0, 22.7, 31.9):
         required = float(run.required("a", "gantry", t))
-        found = viewer.page.evaluate(shown, [watch, t])
-        assert found["required"] == pytest.approx(required, abs=1e-6)
-        assert found["notice"] == pytest.approx(2 * required, abs=1e-6)
+        separation = viewer.page.evaluate(shown, [watch, t])
+        assert separation["required"] == pytest.approx(required, abs=1e-6)
+        assert separation["notice"] == pytest.approx(2 * required, abs=1e-6)
     assert viewer.complaints == []

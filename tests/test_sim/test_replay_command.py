@@ -1,4 +1,4 @@
-"""`floorwalker replay`, as a user types it."""
+"""The command `floorwalker replay`."""
 
 import shutil
 
@@ -13,7 +13,7 @@ TRIAL = "floorplan: ariac2023\nduration: 12\npeople: [{name: operator}]\n"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with a finished run and one that was broken off."""
+    """A folder with a finished run and an interrupted one."""
     folder = tmp_path_factory.mktemp("runs")
     for name in ("whole", "broken"):
         recording = sim.Recording(folder / name)
@@ -31,7 +31,7 @@ def test_the_page_of_a_run_is_named(folder):
     assert done.stdout == "whole/replay.html\n"
 
 
-def test_a_run_that_was_broken_off_gets_its_page(folder, floorwalker):
+def test_an_interrupted_run_gets_its_page(folder, floorwalker):
     assert not (folder / "broken" / "replay.html").exists()
     done = floorwalker("replay", "broken", "--no-open", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
@@ -40,12 +40,12 @@ def test_a_run_that_was_broken_off_gets_its_page(folder, floorwalker):
     assert recording["minds"]["operator"]
 
 
-def test_a_recording_can_be_taken_out_of_its_page(folder):
+def test_a_recording_can_be_extracted_from_its_page(folder):
     page = (folder / "whole" / "replay.html").read_text(encoding="utf-8")
     data = replay_data(sim.load_run(folder / "whole"))
-    (found,) = recordings_in(page)
-    assert found["motions"] == recordings_in(render(data))[0]["motions"]
-    assert render(found) == page
+    (extracted,) = recordings_in(page)
+    assert extracted["motions"] == recordings_in(render(data))[0]["motions"]
+    assert render(extracted) == page
 
 
 def test_a_damaged_recording_is_shown_up_to_the_damage(folder, tmp_path, floorwalker):
@@ -129,7 +129,7 @@ def page(recording):
         (["--watch", "--speed", "nan"], "must be more than 0"),
     ],
 )
-def test_a_speed_that_makes_no_sense_leaves_nothing_behind(tmp_path, options, message, floorwalker):
+def test_an_invalid_speed_leaves_no_file_behind(tmp_path, options, message, floorwalker):
     done = floorwalker("run", "--out", "run", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert message in done.stderr

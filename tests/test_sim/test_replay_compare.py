@@ -1,4 +1,4 @@
-"""Two recordings beside each other on the replay page."""
+"""Two recordings side by side on the replay page."""
 
 import copy
 import json
@@ -17,7 +17,7 @@ def recording():
 
 @pytest.fixture(scope="module")
 def other():
-    """The same, with the person somewhere else and the end earlier."""
+    """The sample with the person elsewhere and an earlier end."""
     changed = copy.deepcopy(replay_sample.recording())
     changed["title"] = "the other"
     changed["duration"] = 200.0
@@ -29,7 +29,7 @@ def other():
 
 @pytest.fixture
 def compared(open_page, recording, other, tmp_path):
-    """Both, the other one chosen as a file."""
+    """A page of both recordings, with the other one chosen as a file."""
     viewer = open_page(replay.render(recording))
     file = tmp_path / "other.html"
     file.write_text(replay.render(other), encoding="utf-8")
@@ -75,7 +75,7 @@ def test_a_page_can_hold_two_from_the_start(open_page, recording, other):
     assert viewer.complaints == []
 
 
-def test_runs_of_one_title_are_named_by_what_differs(open_page, recording):
+def test_runs_of_one_title_are_named_by_their_differences(open_page, recording):
     scared = copy.deepcopy(recording)
     scared["bodies"][0]["personality"] = "scared"
     one, two = {**recording, "folder": "monday"}, {**scared, "folder": "tuesday"}
@@ -135,7 +135,7 @@ def test_the_summaries_stand_side_by_side(compared, recording):
 
 
 def renamed(recording, who, name):
-    """A recording in which a person is called something else."""
+    """Return a recording in which a person has another name."""
     return json.loads(json.dumps(recording).replace(f'"{who}"', f'"{name}"'))
 
 
@@ -155,7 +155,7 @@ def test_figures_name_their_owner_if_names_differ(open_page, recording, other):
     assert viewer.complaints == []
 
 
-def test_there_are_no_figures_where_the_other_has_no_such_pair(open_page, recording, other):
+def test_there_are_no_figures_if_the_other_run_has_no_such_pair(open_page, recording, other):
     alone = copy.deepcopy(other)
     alone["watches"] = [watch for watch in alone["watches"] if watch["other"] == "gantry"]
     viewer = open_page(replay.render(recording, alone))
@@ -172,7 +172,7 @@ def test_there_are_no_figures_where_the_other_has_no_such_pair(open_page, record
     assert viewer.complaints == []
 
 
-def test_it_can_be_ended(compared):
+def test_the_comparison_can_be_ended(compared):
     compared.page.locator("#stop-comparing").click()
     compared.settle()
     assert compared.page.locator(".view").count() == 1
@@ -218,7 +218,7 @@ def test_unreadable_files_are_reported_and_the_page_stays(open_page, recording, 
     assert "dropped.json can't be shown" in dialog.inner_text()
     assert message in dialog.inner_text()
     viewer.page.keyboard.press("Escape")
-    viewer.wait_until(dialog.is_hidden)  # until then keys are its own
+    viewer.wait_until(dialog.is_hidden)  # until then the dialog receives the keys
     assert viewer.page.locator(".view").count() == 1
 
     def at_the_end():

@@ -1,4 +1,4 @@
-"""The mind of a person and the gantry's job on the replay page, against the recording."""
+"""The agent of a person and the gantry's job on the replay page, compared with the recording."""
 
 import copy
 import itertools
@@ -52,7 +52,7 @@ def thoughts_until(run, person, t):
 
 
 def shown(viewer, selector):
-    """What the items say in full: long figures are shortened, and whole under the pointer."""
+    """Return the full texts of items from their tooltips, because long values are shortened."""
     return viewer.page.locator(f".mind {selector} code").evaluate_all(
         "all => all.map(e => e.title)"
     )
@@ -64,7 +64,7 @@ def instants(run):
 
 
 @pytest.mark.parametrize("person", ["operator", "visitor"])
-def test_the_mind_shown_is_that_of_the_instant(viewer, run, person):
+def test_the_beliefs_shown_are_those_of_the_time(viewer, run, person):
     viewer.page.locator("#watch").select_option(label=f"{person} – gantry")
     for t in instants(run):
         viewer.seek(t)
@@ -88,7 +88,7 @@ def test_the_panel_names_the_person_of_the_agent(viewer):
     assert viewer.text(".mind .whose") == "visitor, curious"
 
 
-def test_a_change_of_personality_is_said(open_page, recording):
+def test_a_change_of_personality_is_shown(open_page, recording):
     changed = copy.deepcopy(recording)
     event = {"t": 20.0, "kind": "personality_changed", "person": "operator"}
     changed["events"].append({**event, "personality": "helpful"})
@@ -132,7 +132,7 @@ def test_a_panel_folds_and_unfolds(viewer):
     assert viewer.page.locator(".mind .body").is_visible()
 
 
-def test_a_click_on_a_person_shows_their_mind(viewer, run):
+def test_a_click_on_a_person_shows_their_beliefs(viewer, run):
     viewer.page.locator("#watch").select_option(label="operator – gantry")
     viewer.page.locator("#follow").select_option("visitor")
     viewer.seek(5.0)

@@ -42,7 +42,7 @@ SMALL = {"viewport": {"width": 640, "height": 480}}
 
 
 def seen(viewer):
-    """The floor as it is shown."""
+    """Return a screenshot of the floor."""
     box = viewer.page.locator("#views").bounding_box()
     png = viewer.page.screenshot(clip=box)
     return Image.open(io.BytesIO(png)).convert("RGB")
@@ -64,7 +64,7 @@ def color_of(viewer, name):
 
 
 def has_color_near(picture, at, color, reach=22, apart=60):
-    """Whether a colour is on the picture within so many pixels of a place."""
+    """Return whether a picture has a colour within `reach` pixels of a place."""
     x, y = round(at[0]), round(at[1])
     part = picture.crop((x - reach, y - reach, x + reach, y + reach))
     return any(
@@ -98,7 +98,7 @@ def test_a_click_selects_the_body_at_the_pointer(viewer):
         assert chosen == pair
 
 
-def test_a_drag_goes_round_and_the_wheel_comes_near(viewer):
+def test_a_drag_orbits_and_the_wheel_zooms(viewer):
     viewer.seek(30.0)
     box = viewer.page.locator("#views").bounding_box()
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -130,7 +130,7 @@ def test_a_followed_body_stays_in_the_middle(viewer):
         assert (x, y) == pytest.approx((box["width"] / 2, box["height"] / 2), abs=2)
 
 
-def test_through_the_eyes_of_a_person(viewer):
+def test_the_view_from_the_eyes_of_a_person(viewer):
     viewer.page.keyboard.press("e")
     t = 61.0
     viewer.seek(t)
@@ -148,7 +148,7 @@ def test_through_the_eyes_of_a_person(viewer):
 
 
 def test_legs_step_as_far_as_the_body_goes(viewer, recording):
-    """Of a figure that walks steadily one foot or the other stays where it is."""
+    """While a figure walks steadily, one of its feet is at rest."""
     slid = viewer.page.evaluate(
         """() => {
         const motion = new Motion([[0, 20, [0, 1.2], [0], [0]]]);
@@ -172,7 +172,7 @@ def test_legs_step_as_far_as_the_body_goes(viewer, recording):
         return { worst, moved, lowest };
     }"""
     )
-    assert slid["worst"] < 0.012 < 0.024 < slid["moved"]  # the body goes 0.024 m in each step
+    assert slid["worst"] < 0.012 < 0.024 < slid["moved"]  # the body moves 0.024 m in each step
     assert slid["lowest"] == pytest.approx(0.0, abs=0.02)
 
 
@@ -189,7 +189,7 @@ def test_lines_of_sight_against_shapely(viewer):
         ]
         ends = [[rng.uniform(-4, 4), rng.uniform(-4, 4), rng.uniform(0, 3)] for _ in range(2)]
         cases.append((ring, 0.5, 2.0, *ends))
-    found = viewer.page.evaluate(
+    lines = viewer.page.evaluate(
         """cases => cases.map(([ring, low, high, a, b]) => {
             const share = entryInto(uprightSolid(ring, low, high), a, b);
             return share === Infinity ? null : share;
@@ -197,7 +197,7 @@ def test_lines_of_sight_against_shapely(viewer):
         cases,
     )
     hits = 0
-    for (ring, low, high, a, b), share in zip(cases, found, strict=True):
+    for (ring, low, high, a, b), share in zip(cases, lines, strict=True):
         heights = sorted((z - a[2]) / (b[2] - a[2]) for z in (low, high))
         begin, end = max(0.0, heights[0]), min(1.0, heights[1])
         want = None
@@ -264,7 +264,7 @@ def test_without_webgl_there_is_the_floor_from_above_and_a_line(open_page, recor
     assert viewer.text("[data-shows=time]") == "30.00 s"
 
 
-def test_webgl_that_is_taken_away_can_be_had_again(open_page, recording):
+def test_webgl_that_is_lost_can_be_restored(open_page, recording):
     viewer = open_page(replay.render(recording), **SMALL)
     viewer.page.keyboard.press("3")
     viewer.settle()

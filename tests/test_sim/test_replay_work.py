@@ -1,4 +1,4 @@
-"""How much work a frame of the replay is: enough is left of a 60th of a second on slow machines."""
+"""Work per frame of the replay page, limited so that slow machines show 60 frames per second."""
 
 import copy
 
@@ -9,10 +9,10 @@ from replay_sample import replay
 pytestmark = pytest.mark.slow  # browsers draw in software
 
 MOST_CALLS = 1500
-"""Calls to the canvas that a frame with seven bodies may need."""
+"""Maximum number of calls to the canvas for a frame with seven bodies."""
 
 MOST_EVALUATIONS = 150
-"""Positions of bodies that it may work out."""
+"""Maximum number of positions of bodies computed for a frame."""
 
 COUNT = """
 t => new Promise(done => {
@@ -42,13 +42,13 @@ INSTANTS = [20.0, 62.0, 66.5, 80.0, 141.0, 182.0, 216.0]
 
 
 def work(viewer, t):
-    """What the frame at `t` needs, when everything but the time is as in the frame before."""
+    """Return the work of the frame at `t`, when only the time has changed since the last frame."""
     viewer.seek(t - 1 / 60)
     return viewer.page.evaluate(COUNT, t)
 
 
 def lengthened(recording, times):
-    """The same happening `times` times in a row, with the violations of the first time only."""
+    """Return the recording repeated `times` times, with the violations of the first time only."""
     longer = copy.deepcopy(recording)
     span = recording["duration"]
     longer["duration"] = span * times

@@ -1,4 +1,4 @@
-"""Risk over a floor and exposure in zones, held to sums over the same run."""
+"""Risk over a floor and exposure in zones, compared with sums over the same run."""
 
 from dataclasses import replace
 
@@ -42,10 +42,10 @@ def test_exposure_in_zones_is_the_time_in_them(run):
         occupied += 0.005 * inside.sum()
         close += 0.005 * (inside & near).sum()
         entries += (inside[1:] & ~inside[:-1]).sum()
-    found = run.summary["zones"]["middle"]
-    assert found["time_occupied"] == pytest.approx(occupied, abs=0.1) and occupied > 5
-    assert found["time_too_close"] == pytest.approx(close, abs=0.1) and close > 1
-    assert found["entries"] == entries
+    exposure = run.summary["zones"]["middle"]
+    assert exposure["time_occupied"] == pytest.approx(occupied, abs=0.1) and occupied > 5
+    assert exposure["time_too_close"] == pytest.approx(close, abs=0.1) and close > 1
+    assert exposure["entries"] == entries
     assert run.summary["zones"]["corner"] == {
         "time_occupied": 0.0,
         "time_too_close": 0.0,
@@ -53,7 +53,7 @@ def test_exposure_in_zones_is_the_time_in_them(run):
     }
 
 
-def test_a_risk_map_with_nothing_on_it_says_why(run):
+def test_an_empty_risk_map_explains_why(run):
     away = "{floorplan: ariac2023, duration: 5, people: [{name: a, at: [-19, 0]}]}"
     far = sim.run(sim.Trial.parse(away))
     for of in ("time", "severity"):
@@ -83,8 +83,8 @@ def test_risk_maps_show_the_least_margin_and_the_time_without_it(run):
         plots.risk_map(alone)
 
 
-def test_the_least_margin_is_that_of_a_violation_over_at_once():
-    """Somebody beside an AGV that sets out is put home in the same instant."""
+def test_the_minimum_margin_includes_a_violation_of_zero_duration():
+    """A person beside an AGV that starts is put home at the same time."""
     trial = sim.Trial.parse(
         "{floorplan: ariac2023, duration: 3, rules: {based_on: paper, agv_law: {fixed: 3.0}},"
         " people: [{name: eve, at: [-4.0, 3.5], personality: external}],"
@@ -97,7 +97,7 @@ def test_the_least_margin_is_that_of_a_violation_over_at_once():
     assert image.min() == pytest.approx(min(margins), abs=0.001)
 
 
-def test_margins_are_where_people_were_before_they_were_put_elsewhere():
+def test_margins_are_where_people_were_before_a_teleport():
     trial = "{floorplan: ariac2023, duration: 60, rules: paper, people: [{name: eve, count: 4}]}"
     run = sim.run(sim.Trial.parse(trial))
     assert sum(len(spans) for spans in run.violations.values()) > 4

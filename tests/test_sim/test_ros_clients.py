@@ -30,7 +30,7 @@ def outcome(command, folder=None):
 
 
 def let_drive(command_for, speed, folder=None, duration=275.0):
-    """Let a client drive the person of a trial. Return its messages and the run."""
+    """Run a trial whose person is driven by a client. Return its messages and the run."""
     with served(trial(duration=duration), speed=speed, by_hand=True) as session:
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         client = subprocess.Popen(command_for(session.url), cwd=folder, **pipes)
@@ -42,9 +42,9 @@ def let_drive(command_for, speed, folder=None, duration=275.0):
 
 
 def require_a_whole_session(heard, run, speed):
-    """275 s: the person went round and round, and was put back for coming too near.
+    """Require 275 s in which the person patrols and is put back for violations.
 
-    With a speed the client is late; at speed 0 it never is.
+    At a finite speed the client is late. At speed 0 it never is.
     """
     visits = run.summary["people"]["operator"]["visits"]
     assert heard["reached"] == len(visits)
@@ -56,7 +56,7 @@ def require_a_whole_session(heard, run, speed):
     assert heard["states"] >= 1000
     if not speed:
         assert visits == [ROUND[k % 3] for k in range(35)]
-        # The state comes ten times a second, and once more for each decision.
+        # The state is published ten times a second, and once more for each decision.
         assert 2750 <= heard["states"] <= 2850
 
 
@@ -67,7 +67,7 @@ def test_roslibpy_drives_the_person_at_fifty_times_the_speed():
 
 @pytest.mark.slow
 def test_roslibpy_is_never_late_at_speed_0():
-    """It acts at the time of each message, so that every run is the same."""
+    """The client acts at the time of each message, so that every run is the same."""
     runs = [
         let_drive(lambda url: python("agent_roslibpy.py", url), 0.0, duration=40.0)[1]
         for _ in range(2)
@@ -78,7 +78,7 @@ def test_roslibpy_is_never_late_at_speed_0():
     assert set(arrived) <= set(went)
 
 
-def test_our_agent_drives_a_person_of_roslibpys(tmp_path):
+def test_the_bundled_agent_drives_a_person_of_roslibpy(tmp_path):
     with relay() as url:
         agent = started("bridge", "ariac2023", "--connect", url, cwd=tmp_path)
         goals = outcome(python("simulation_roslibpy.py", url))

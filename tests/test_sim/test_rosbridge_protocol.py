@@ -59,7 +59,7 @@ def test_an_operation_is_read():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "words"),
     [
         ("{", "not JSON"),
         ("[1, 2]", '"op"'),
@@ -76,10 +76,10 @@ def test_an_operation_is_read():
         (b"\xff\x00", "not JSON"),
     ],
 )
-def test_what_is_no_operation_is_told(text, told):
+def test_an_invalid_operation_is_rejected(text, words):
     with pytest.raises(ProtocolError) as caught:
         decode(text)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -96,7 +96,7 @@ def test_an_error_names_the_interaction_that_it_is_about():
     )
     | JSON
 )
-def test_nothing_but_an_operation_or_an_error_comes_of_any_json(data):
+def test_any_json_is_an_operation_or_an_error(data):
     text = json.dumps(data)
     try:
         operation = decode(text)
@@ -107,7 +107,7 @@ def test_nothing_but_an_operation_or_an_error_comes_of_any_json(data):
 
 
 def test_types_are_those_of_ros():
-    """The fields are those of the .msg files of ROS 2, which has no ariac_msgs."""
+    """Compare with the .msg files of ROS 2, which has no ariac_msgs."""
     typesys = pytest.importorskip("rosbags.typesys")
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
     theirs = [type_ for name, type_ in MESSAGES.items() if name in store.types and type_.fields]
@@ -118,14 +118,14 @@ def test_types_are_those_of_ros():
         assert text.strip().splitlines() == ours
 
 
-def test_types_go_by_either_name():
+def test_types_have_two_names():
     assert message_type("std_msgs/Bool") is message_type("std_msgs/msg/Bool")
     with pytest.raises(UnknownTypeError, match="did you mean"):
         message_type("std_msgs/Boll")
 
 
 @pytest.mark.parametrize(
-    ("type_", "message", "told"),
+    ("type_", "message", "words"),
     [
         ("geometry_msgs/Point", {"x": "1"}, "x should be a float64, not '1'"),
         ("geometry_msgs/Point", {"x": True}, "x should be a float64, not True"),
@@ -149,15 +149,15 @@ def test_types_go_by_either_name():
         ),
     ],
 )
-def test_what_is_wrong_in_a_message_is_told_with_its_place(type_, message, told):
+def test_an_invalid_message_is_rejected_with_its_place(type_, message, words):
     with pytest.raises(MessageError) as caught:
         conform(message_type(type_), message)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
     assert len(str(caught.value)) < 300
 
 
 @given(st.sampled_from(sorted(MESSAGES)), JSON)
-def test_whatever_conforms_is_complete_and_can_be_sent(name, data):
+def test_a_valid_message_is_complete_and_can_be_sent(name, data):
     type_ = MESSAGES[name]
     try:
         message = conform(type_, data)
@@ -168,7 +168,7 @@ def test_whatever_conforms_is_complete_and_can_be_sent(name, data):
 
 
 @given(st.text(max_size=2000), st.integers(1, 500), st.randoms(use_true_random=False))
-def test_fragments_in_any_order_make_the_message_again(text, size, random):
+def test_fragments_in_any_order_restore_the_message(text, size, random):
     pieces = list(fragments(text, size, "it"))
     if len(text) <= size:
         assert pieces == [text]
@@ -190,7 +190,7 @@ def fragment(id, num, total, data="x"):
     return Fragment(op="fragment", id=id, num=num, total=total, data=data)
 
 
-def test_fragments_do_not_pile_up():
+def test_the_number_of_fragments_is_bounded():
     account = an_account()
     reassembly = Reassembly(account)
     with pytest.raises(ProtocolError, match="more than"):
@@ -208,15 +208,15 @@ def test_fragments_do_not_pile_up():
 
 def everything_in(outbox):
     async def read():
-        found = []
+        messages = []
         while outbox:
-            found.append((await outbox.get())[0])
-        return found
+            messages.append((await outbox.get())[0])
+        return messages
 
     return asyncio.run(read())
 
 
-def test_the_oldest_messages_of_a_topic_go_first_when_too_many_wait():
+def test_the_oldest_messages_of_a_topic_are_dropped_when_too_many_wait():
     account = an_account()
     outbox = Outbox(account)
     short, long = TopicQueue(2), TopicQueue(10)
@@ -229,11 +229,11 @@ def test_the_oldest_messages_of_a_topic_go_first_when_too_many_wait():
         expected += [f"short{k}", f"long{k}", f"reply{k}"]
     assert everything_in(outbox) == expected
     last = account.held
-    assert 0 < last < 200  # what was handed out last is under way
+    assert 0 < last < 200  # the last message read is still under way
 
 
-def test_what_can_not_be_thrown_away_is_bounded():
-    for text, many, told in (
+def test_messages_that_cannot_be_dropped_are_bounded():
+    for text, many, words in (
         ("x", MOST_REPLIES, f"{MOST_REPLIES} answers wait"),
         ("x" * 100_000, MOST // 100_000, f"more than {MOST} bytes"),
         ("\U0001f600" * 25_000, MOST // 100_000, f"more than {MOST} bytes"),
@@ -246,11 +246,11 @@ def test_what_can_not_be_thrown_away_is_bounded():
         for _ in range(5):
             outbox.reply(text)
         assert len(refused) == 1
-        assert told in refused[0]
+        assert words in refused[0]
         assert len(outbox) <= many
 
 
-def test_of_all_clients_the_one_with_the_most_is_let_go():
+def test_the_client_with_the_most_waiting_data_is_disconnected():
     ledger, gone = Ledger(most_for_all=10_000_000), []
     accounts = [Account(ledger, lambda _, k=k: gone.append(k)) for k in range(30)]
     for round in range(1, 8):
@@ -264,7 +264,7 @@ def test_of_all_clients_the_one_with_the_most_is_let_go():
     assert ledger.held == 0
 
 
-def test_what_waits_of_a_topic_can_be_dropped():
+def test_waiting_messages_of_a_topic_can_be_dropped():
     account = an_account()
     outbox = Outbox(account)
     stream = TopicQueue(10)
@@ -331,12 +331,12 @@ TOPIC = "/gantry_controller/joint_trajectory"
 
 
 def trajectory(*points, names=JOINTS):
-    """The trajectory of a message. See `message_of`."""
+    """Return the trajectory of a message. See `message_of`."""
     return trajectory_of(message_of(*points, names=names))
 
 
 def message_of(*points, names=JOINTS):
-    """A message of points (time, positions) or (time, positions, velocities)."""
+    """Return a message of points (time, positions) or (time, positions, velocities)."""
     written = []
     for t, positions, *velocities in points:
         whole, rest = divmod(t, 1.0)
@@ -351,7 +351,7 @@ def message_of(*points, names=JOINTS):
 
 
 def test_the_joints_are_those_of_the_competition():
-    """agv1's lane is at y = 4.8 in the world; the competition's own programs go to −4.8 for it."""
+    """The lane of agv1 is at y = 4.8 in the world, and at −4.8 in programs of the competition."""
     assert joint_values(GANTRY, (-7.0, 0.0, 0.0)) == pytest.approx((0.0, 0.0, 0.0))
     assert pose_of(GANTRY, (3.835, -4.8, 1.5)) == pytest.approx((-3.165, 4.8, 1.5))
     state = State((-6.0, 1.0, 0.5), (0.1, 0.2, 0.3), (0.0, 0.0, 0.0))
@@ -373,14 +373,14 @@ def test_a_trajectory_goes_through_its_points_at_their_times():
     assert motion.state(18.0).position == pytest.approx((-6.0, 0.7, 0.4))
 
 
-def test_the_joints_may_come_in_any_order_and_a_first_point_where_it_is():
+def test_joints_may_come_in_any_order_and_the_first_point_may_be_the_current_one():
     names = ("gantry_rotation_joint", "gantry_y_axis_joint", "gantry_x_axis_joint")
     message = trajectory((0.0, (0, 0, 0)), (5.0, (0.3, 0.2, 0.1)), names=names)
     motion = motion_along(GANTRY, HOME, 0.0, message)
     assert motion.state(5.0).position == pytest.approx((-6.9, -0.2, 0.3))
 
 
-def test_without_velocities_it_goes_on_through_the_points():
+def test_a_trajectory_without_velocities_passes_its_points_without_a_stop():
     message = trajectory((4.0, (1, 0, 0)), (8.0, (2, 0, 0)), (12.0, (3, 0, 0)), (18.0, (3, 1, 0)))
     motion = motion_along(GANTRY, HOME, 0.0, message)
     assert motion.velocity(4.0) == pytest.approx((0.25, 0.0))
@@ -394,7 +394,7 @@ def test_one_point_without_a_time_is_just_a_target():
 
 
 @pytest.mark.parametrize(
-    ("message", "told"),
+    ("message", "words"),
     [
         (trajectory(), "without points"),
         (trajectory((1.0, (0, 0)), names=JOINTS[:2]), "joint_names should be"),
@@ -414,10 +414,10 @@ def test_one_point_without_a_time_is_just_a_target():
         ),
     ],
 )
-def test_what_the_gantry_can_not_do_is_told(message, told):
+def test_a_trajectory_that_the_gantry_cannot_follow_is_rejected(message, words):
     with pytest.raises(TrajectoryError) as caught:
         motion_along(GANTRY, HOME, 0.0, message)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
 
 
 @given(
@@ -430,7 +430,7 @@ def test_what_the_gantry_can_not_do_is_told(message, told):
         max_size=4,
     )
 )
-def test_whatever_is_taken_stays_within_the_limits_at_every_instant(steps):
+def test_an_accepted_trajectory_stays_within_the_limits_at_all_times(steps):
     t, points = 0.0, []
     for duration, joints in steps:
         t += duration
@@ -454,8 +454,8 @@ def send(client, message):
     client.send(op="publish", topic=TOPIC, msg=message)
 
 
-def test_a_controller_outside_moves_the_gantry():
-    """And the rules hold for it: it is disabled when it comes too close, and told so."""
+def test_an_external_controller_moves_the_gantry():
+    """The rules apply: the gantry is disabled when it comes too close, and an error reports it."""
     a_trial = trial("indifferent", duration=40.0, controller="external", start=30.0)
     with served(a_trial, speed=20.0) as session, Client(session.url) as client:
         assert "no gantry controller" in session.notices[-1]
@@ -464,12 +464,14 @@ def test_a_controller_outside_moves_the_gantry():
         client.message("/joint_states")
         send(client, message_of((6.0, (3.5, -0.5, 0.5), (0, 0, 0))))
         reached = client.hear_until(
-            lambda said: said["topic"] == "/joint_states" and said["msg"]["position"][0] == 3.5
+            lambda heard: heard["topic"] == "/joint_states" and heard["msg"]["position"][0] == 3.5
         )
         assert reached["msg"]["position"] == pytest.approx([3.5, -0.5, 0.5])
         send(client, message_of((0.0, (-7.2, 6.5, 0.0))))
         client.hear_until(
-            lambda said: said["topic"] == "/ariac/robot_health" and not said["msg"]["ceiling_robot"]
+            lambda heard: (
+                heard["topic"] == "/ariac/robot_health" and not heard["msg"]["ceiling_robot"]
+            )
         )
         send(client, message_of((0.0, (0.0, 0.0, 0.0))))
         assert client.error()["msg"] == "the gantry is disabled"
@@ -479,7 +481,7 @@ def test_a_controller_outside_moves_the_gantry():
     assert begun.position(0.0) == pytest.approx((-2.5, 0.5))
 
 
-def test_a_gantry_with_a_controller_of_its_own_takes_no_trajectories():
+def test_a_gantry_with_an_internal_controller_accepts_no_trajectories():
     with served(trial(), hold=True) as session, Client(session.url) as client:
         send(client, message_of((0.0, (0.0, 0.0, 0.0))))
         assert "no topic is called" in client.error()["msg"]

@@ -23,7 +23,7 @@ def run(text, **changes):
 
 
 def parked(rules, people, *, at="[-2.5, 0.5, 0.0]", duration=60, agvs=""):
-    """A trial around a gantry that stands at `at`."""
+    """Return a trial around a gantry that stands at `at`."""
     return (
         f"floorplan: ariac2023\nduration: {duration}\nrules: {rules}\npeople: {people}\n"
         f"gantry: {{controller: parked, at: {at}}}\n{agvs}"
@@ -31,7 +31,7 @@ def parked(rules, people, *, at="[-2.5, 0.5, 0.0]", duration=60, agvs=""):
 
 
 def walker(tmp_path, name, program):
-    """A person's program in a file."""
+    """Write a person's program to a file, and return its path."""
     path = tmp_path / f"{name}.asl"
     path.write_text(program)
     return path
@@ -48,8 +48,8 @@ def test_the_noticing_distance_of_the_competition_is_capped_before_it_is_scaled(
     assert sim.RULE_SETS["ariac2023"].notice.law.distance(*speeds) == pytest.approx(metres)
 
 
-def test_in_the_grace_the_person_is_sent_home_all_the_same(tmp_path):
-    """Walks into the gantry's distance again and again, right after each wait."""
+def test_the_person_is_also_sent_home_during_the_grace(tmp_path):
+    """The person walks towards the gantry again right after each wait."""
     program = walker(
         tmp_path,
         "stubborn",
@@ -64,15 +64,15 @@ def test_in_the_grace_the_person_is_sent_home_all_the_same(tmp_path):
     assert [t["t"] for t in events(result, "teleport")] == [v["t"] for v in violations]
     assert len(events(result, "gantry_disabled")) == result.summary["penalties"]
     assert sum(end - begin for begin, end in result.violations["a", "gantry"]) < SAMPLE
-    assert result.summary["agv_teleports"] == 0  # those were with the gantry
+    assert result.summary["agv_teleports"] == 0  # both violations were with the gantry
 
 
 def test_a_violation_that_lasts_is_a_penalty_again_as_the_grace_ends():
     rules = replace(sim.PAPER, person="none", gantry_disabled=8.0, grace=5.0)
     people = "[{name: a, personality: external, at: [-7.5, 0.5]}]"
     result = run(parked("paper", people, at="[-7.0, 0.0, 0.0]", duration=30), rules=rules)
-    found = [(v["t"], v["penalty"]) for v in events(result, "violation")]
-    assert found == [(0.0, True), (13.0, True), (26.0, True)]
+    penalties = [(v["t"], v["penalty"]) for v in events(result, "violation")]
+    assert penalties == [(0.0, True), (13.0, True), (26.0, True)]
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_the_person_of_a_competition_file_never_stays_too_close(path):
 
 
 def test_a_violation_that_lasts_is_reported_every_ten_seconds():
-    """At home they are too close as well: standing, 1 m is required."""
+    """The home is also too close, because 1 m is required of a person who stands."""
     people = "[{name: a, at: [-3.2, 0.5], home: [-3.2, 0.5]}]"
     result = run(parked("ariac2023", people, duration=25))
     assert [e["t"] for e in events(result, "teleport")] == pytest.approx([0.0, 10.0, 20.0])
@@ -100,7 +100,7 @@ def test_a_violation_that_lasts_is_reported_every_ten_seconds():
 
 
 @pytest.mark.parametrize("start", [0.0, 7.0])
-def test_nothing_is_noticed_for_twenty_seconds_after_the_start_and_after_a_teleport(start):
+def test_no_machine_is_noticed_for_twenty_seconds_after_the_start_and_after_a_teleport(start):
     people = f"[{{name: a, start: {{time: {start}}}, at: [-8.5, 0]}}]"
     result = run(parked("ariac2023", people, duration=200))
     early = [event["t"] for event in events(result, "gantry_detected") if event["t"] < start]
@@ -114,7 +114,7 @@ def test_nothing_is_noticed_for_twenty_seconds_after_the_start_and_after_a_telep
 
 
 def test_distances_to_agvs_are_measured_to_their_tray():
-    """0.2 m from the centre, where the lane begins: against sampling that point."""
+    """Compare with samples of the tray, 0.2 m from the centre, where the lane begins."""
     text = parked(
         "{based_on: ariac2023, person: none}",
         "[{name: a, at: [-9.5, 3.5], start: {time: 50}}]",
@@ -126,9 +126,9 @@ def test_distances_to_agvs_are_measured_to_their_tray():
     apart = np.hypot(*(agv.position(t) - person.position(t) + TRAY).T)
     moves = np.hypot(*agv.velocity(t).T) > 0.01
     changes = t[1:][np.diff((apart < 2.1) & moves)]
-    found = [instant for span in result.violations["a", "agv1"] for instant in span]
-    assert len(found) == 4
-    assert found == pytest.approx(changes.tolist(), abs=1.1 * SAMPLE)
+    ends = [instant for span in result.violations["a", "agv1"] for instant in span]
+    assert len(ends) == 4
+    assert ends == pytest.approx(changes.tolist(), abs=1.1 * SAMPLE)
     assert result.distance("a", "agv1", t) == pytest.approx(apart)
     for event in events(result, "violation", **{"with": "agv1"}):
         assert event["distance"] == pytest.approx(2.1, abs=1e-6)
@@ -139,7 +139,7 @@ def test_distances_to_agvs_are_measured_to_their_tray():
 PLACES = (("near", -8.0), ("far", -10.0))
 
 
-def test_a_second_persons_violation_is_found_while_the_gantry_is_disabled(tmp_path):
+def test_a_violation_of_a_second_person_is_found_while_the_gantry_is_disabled(tmp_path):
     straight = walker(tmp_path, "straight", "+human_start <- move(-4.5, 0.5, 0).")
     people = [f"{{name: {name}, at: [{x}, 0.5], personality: {straight}}}" for name, x in PLACES]
     result = run(parked("paper", f"[{', '.join(people)}]", duration=30))
@@ -152,7 +152,7 @@ def test_a_second_persons_violation_is_found_while_the_gantry_is_disabled(tmp_pa
     assert enabled == pytest.approx(second["t"] + 8.0)
 
 
-def test_the_antagonistic_person_goes_on_to_the_next_station_after_the_gantry():
+def test_the_antagonistic_person_continues_to_the_next_station_after_the_gantry():
     people = "[{name: a, personality: antagonistic}]"
     result = run(parked("observe", people, at="[-7.0, 0.0, 0.0]", duration=60))
     goals = [event["station"] for event in events(result, "goal")]
@@ -174,11 +174,11 @@ def test_after_an_agv_the_person_waits_as_long_as_after_the_gantry():
     assert onwards == pytest.approx(teleport + 8.0)
 
 
-# ---- observe, protective_stop, and what a violation does
+# ---- observe, protective_stop, and consequences of a violation
 
 
 @pytest.mark.parametrize("personality", ["antagonistic", "indifferent"])
-def test_observing_records_violations_and_does_nothing_else(personality):
+def test_observing_only_records_violations(personality):
     people = f"[{{name: a, personality: {personality}}}]"
     result = run(parked("observe", people, duration=120))
     assert events(result, "violation")
@@ -199,7 +199,7 @@ def test_observing_records_violations_and_does_nothing_else(personality):
         ("disable", "teleport", {"gantry_disabled", "teleport"}),
     ],
 )
-def test_a_rule_set_chooses_what_a_violation_does(machine, person, kinds):
+def test_a_rule_set_chooses_the_consequences_of_a_violation(machine, person, kinds):
     rules = f"{{name: ours, machine: {machine}, person: {person}}}"
     result = run(parked(rules, "[{name: a, personality: antagonistic}]", duration=40))
     instants = {event["t"] for event in events(result, "violation")}
@@ -233,7 +233,7 @@ def stopped():
 
 
 def stops(run, machine):
-    """From when to when `machine` was held, and whether that ended within the run."""
+    """Return when `machine` was stopped, until the end of the run at the latest."""
     spans, since = [], None
     for event in events(run, "protective_stop", "protective_stop_ended", machine=machine):
         if event["kind"] == "protective_stop":
@@ -246,16 +246,16 @@ def stops(run, machine):
 
 @pytest.mark.parametrize("machine", ["gantry", "agv2"])
 def test_a_protective_stop_lasts_from_the_violation_until_there_is_room(stopped, machine):
-    """Against sampling: once it has braked, the machine stands while anybody is too close."""
+    """In samples, the machine stands after braking while a person is too close."""
     spans = stops(stopped, machine)
     assert spans
     motion = stopped.motions[machine]
     t = np.arange(0.0, stopped.duration, 0.01)
     moves = np.hypot(*motion.velocity(t).T) > 1e-6
-    held = np.zeros(len(t), dtype=bool)
+    at_rest = np.zeros(len(t), dtype=bool)
     for begin, end in spans:
-        held |= (t >= begin + 3.0) & (t < end)  # 2.5 s of braking at most
-    assert not (moves & held).any()
+        at_rest |= (t >= begin + 3.0) & (t < end)  # braking takes at most 2.5 s
+    assert not (moves & at_rest).any()
     for person in ("a", "b"):
         apart = stopped.distance(person, machine, t)
         required = stopped.required(person, machine, t)
@@ -267,8 +267,8 @@ def test_a_protective_stop_lasts_from_the_violation_until_there_is_room(stopped,
 
 
 @pytest.mark.parametrize(("machine", "top_speed"), [("gantry", math.sqrt(2)), ("agv2", 2.0)])
-def test_a_protective_stop_ends_when_there_is_room_for_everybody(stopped, machine, top_speed):
-    """Also for those who were no reason to stop: it would have to stop at once for them."""
+def test_a_protective_stop_ends_when_there_is_room_for_all_people(stopped, machine, top_speed):
+    """People who did not cause the stop also count, because they would cause another at once."""
     ended = events(stopped, "protective_stop_ended", machine=machine)
     assert len(ended) > 1
     for t in (event["t"] for event in ended):
@@ -278,7 +278,7 @@ def test_a_protective_stop_ends_when_there_is_room_for_everybody(stopped, machin
             assert stopped.distance(person, machine, t) >= room
 
 
-def test_a_machine_goes_on_after_a_protective_stop_and_does_not_creep(stopped):
+def test_a_machine_resumes_after_a_protective_stop_and_does_not_creep(stopped):
     spans = stops(stopped, "gantry")
     assert stopped.summary["jobs_done"] >= 2
     assert all(later - end > 0.1 for (_, end), (later, _) in itertools.pairwise(spans))
@@ -290,8 +290,8 @@ def test_a_machine_goes_on_after_a_protective_stop_and_does_not_creep(stopped):
     assert stopped.summary["protective_stops"] == len(events(stopped, "protective_stop"))
 
 
-def test_a_machine_in_a_protective_stop_waits_for_everybody(tmp_path):
-    """Both stand below it, and leave one after the other."""
+def test_a_machine_in_a_protective_stop_waits_for_all_people(tmp_path):
+    """Both people stand below it, and leave one after the other."""
     leaves = walker(tmp_path, "leaves", "+human_start <- move(-15, -10, 0).")
     people = ", ".join(
         f"{{name: {name}, at: [{x}, 0.0], start: {{time: {start}}}, personality: {leaves}}}"
@@ -309,7 +309,7 @@ def test_a_machine_in_a_protective_stop_waits_for_everybody(tmp_path):
 
 
 def test_a_machine_in_a_protective_stop_is_not_idle():
-    """It moves or is held all the time, but for the instants between its jobs."""
+    """It always moves or is stopped, except for moments between its jobs."""
     result = run(WORK.replace("{wait: 3}, ", "").replace(", {wait: 3}", ""))
     t = np.arange(0.0, result.duration, 0.01)
     busy = np.hypot(*result.motions["gantry"].velocity(t).T) > 0

@@ -1,4 +1,4 @@
-"""Rule sets in files: what they say, laws of one's own, and what is refused."""
+"""Rule sets in files: their keys, custom laws, and errors."""
 
 import math
 import pickle
@@ -84,7 +84,7 @@ def problems(rules, folder="."):
     return "\n".join(str(problem) for problem in caught.value.problems)
 
 
-def test_a_rule_set_of_ones_own_changes_what_it_names():
+def test_a_custom_rule_set_changes_only_the_keys_it_names():
     rules = trial(
         """
 based_on: ariac2023
@@ -104,7 +104,7 @@ pause_after_agv: 0
     assert (rules.pause_after_violation, rules.pause_after_agv) == (10.0, 0.0)
 
 
-def test_what_is_left_out_is_that_of_the_rule_set_below():
+def test_omitted_keys_are_those_of_the_base():
     assert trial("{name: paper}").rules == sim.PAPER
     assert trial("{based_on: ariac2023, name: ariac2023}").rules == sim.RULE_SETS["ariac2023"]
     noticed = trial("{based_on: ariac2023, notice: {factor: 2.0}}").rules.notice
@@ -173,7 +173,7 @@ def test_laws_by_name(text, law):
         ("agv_law: {'braking:BrakingLaw': 3}", "expected the terms of the law"),
     ],
 )
-def test_what_makes_no_sense_is_reported_with_its_line(folder, rules, message):
+def test_invalid_values_are_reported_with_their_line(folder, rules, message):
     (folder / "garbled.py").write_text("def\n")
     assert message in problems(rules, folder)
 
@@ -207,7 +207,7 @@ def test_what_makes_no_sense_is_reported_with_its_line(folder, rules, message):
         ),
     ],
 )
-def test_what_only_a_run_shows_of_a_law_is_reported_when_it_begins(folder, rules, message):
+def test_an_error_of_a_law_is_reported_when_the_run_begins(folder, rules, message):
     (folder / "broken.py").write_text(
         "# A law.\n1 / 0\n\nclass Law:\n    def distance(self, human, robot): ...\n"
     )
@@ -217,7 +217,7 @@ def test_what_only_a_run_shows_of_a_law_is_reported_when_it_begins(folder, rules
     assert message in str(caught.value)
 
 
-def test_a_law_of_ones_own_decides(folder):
+def test_a_custom_law_decides(folder):
     rules = "gantry_law:\n  braking:BrakingLaw: {deceleration: 2.0, least: 1.5}"
     run = sim.run(trial(rules, folder))
     violation = first(run, "violation")
@@ -227,12 +227,12 @@ def test_a_law_of_ones_own_decides(folder):
     speeds = np.hypot(*run.motions["operator"].velocity(times).T)
     required = run.required("operator", "gantry", times)
     away = np.abs(required - 1.5 - speeds) > 0.011
-    # At a jump of speed either side is right.
+    # At a jump of speed, the values of both sides are correct.
     assert away.sum() <= 3
 
 
 @pytest.mark.parametrize("name", ["braking:BrakingLaw", "braking:WayAhead"])
-def test_a_law_of_ones_own_travels_between_processes(folder, name):
+def test_a_custom_law_can_be_sent_between_processes(folder, name):
     law = OwnLaw(name, {"deceleration": 2.0} if "Braking" in name else {}, folder)
     back = pickle.loads(pickle.dumps(law))
     assert back == law
@@ -240,16 +240,16 @@ def test_a_law_of_ones_own_travels_between_processes(folder, name):
     assert required_at_speeds(back, 1.0, 0.0) == required_at_speeds(law, 1.0, 0.0)
 
 
-def test_the_module_beside_the_trial_counts_whatever_was_imported_before(tmp_path):
-    found = []
+def test_the_module_beside_the_trial_is_used_regardless_of_earlier_imports(tmp_path):
+    distances = []
     for metres in (1.0, 2.0, 1.0):
         folder = tmp_path / str(metres)
         folder.mkdir(exist_ok=True)
         text = f"class Law:\n    def distance(self, human, robot):\n        return {metres}\n"
         (folder / "same_name.py").write_text(text)
         rules = trial("gantry_law: {'same_name:Law': {}}", folder).rules
-        found.append(rules.gantry_law.distance(0.0, 0.0))
-    assert found == [1.0, 2.0, 1.0]
+        distances.append(rules.gantry_law.distance(0.0, 0.0))
+    assert distances == [1.0, 2.0, 1.0]
 
 
 def test_a_law_that_fails_while_the_trial_runs_is_named_with_its_line(folder):
@@ -287,16 +287,16 @@ def test_the_integral_law_is_a_rule_of_a_trial():
     assert noticed["noticing_distance"] == pytest.approx(2 * noticed["required"])
 
 
-def test_a_recording_keeps_what_an_integral_law_required(tmp_path):
+def test_a_recording_contains_the_distances_required_by_an_integral_law(tmp_path):
     run = record(trial(INTEGRAL), tmp_path / "out")
     back = sim.load_run(tmp_path / "out")
     times = np.linspace(0.0, 60.0, 501)
     for machine in ("gantry", "agv1"):
-        kept = back.required("operator", machine, times)
-        assert kept == pytest.approx(run.required("operator", machine, times), abs=1e-8)
+        recorded = back.required("operator", machine, times)
+        assert recorded == pytest.approx(run.required("operator", machine, times), abs=1e-8)
 
 
-def test_a_rule_set_in_a_file_of_its_own(folder):
+def test_a_rule_set_in_a_separate_file(folder):
     (folder / "ours.yaml").write_text("gantry_law: {'braking:BrakingLaw': {deceleration: 2}}\n")
     rules = sim.load_rules(folder / "ours.yaml")
     assert rules.name == "ours"
@@ -309,7 +309,7 @@ def test_a_rule_set_in_a_file_of_its_own(folder):
         sim.load_rules(folder / "bad.yaml")
 
 
-def test_a_trial_with_rules_of_its_own_can_be_written_and_read_again(folder):
+def test_a_trial_with_custom_rules_can_be_written_and_read_again(folder):
     first = trial("gantry_law: {'braking:BrakingLaw': {deceleration: 2.0}}\ngrace: 3", folder)
     assert sim.Trial.parse(first.to_yaml(folder), folder=folder).rules == first.rules
     second = trial(INTEGRAL)

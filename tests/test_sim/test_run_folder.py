@@ -1,4 +1,4 @@
-"""A recording read back is the run that was recorded; one that is damaged says where."""
+"""Recordings read back as the runs that were recorded, and messages about damaged ones."""
 
 import json
 import math
@@ -34,18 +34,18 @@ agvs:
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """A run, and the folder of its recording: not to be changed."""
+    """A run and the folder of its recording, which must not be changed."""
     folder = tmp_path_factory.mktemp("recorded") / "run"
     return record(sim.Trial.parse(TRIAL), folder), folder
 
 
 @pytest.fixture
 def folder(recorded, tmp_path):
-    """A copy of the recording, to be damaged."""
+    """A copy of the recording, which may be damaged."""
     return shutil.copytree(recorded[1], tmp_path / "run")
 
 
-def test_a_run_that_can_not_begin_takes_no_folder(tmp_path):
+def test_a_run_that_cannot_begin_takes_no_folder(tmp_path):
     (tmp_path / "odd.asl").write_text("!go.\n+!go <- .nosuch(1).\n")
     person = sim.PersonEntry("ada", personality=str(tmp_path / "odd.asl"))
     trial = replace(sim.Trial.parse("floorplan: ariac2023\n"), people=(person,))
@@ -54,7 +54,7 @@ def test_a_run_that_can_not_begin_takes_no_folder(tmp_path):
     assert not (tmp_path / "run").exists()
 
 
-def test_of_two_runs_that_begin_in_one_folder_the_second_is_refused(tmp_path):
+def test_the_second_run_that_begins_in_one_folder_is_rejected(tmp_path):
     trial = sim.Trial.parse("floorplan: ariac2023\nduration: 1.0\n")
     first, second = (sim.Recording(tmp_path / "run") for _ in range(2))
     simulation = sim.Simulation(trial, first)
@@ -67,7 +67,7 @@ def test_of_two_runs_that_begin_in_one_folder_the_second_is_refused(tmp_path):
     assert sim.load_run(tmp_path / "run").summary == run.summary
 
 
-def test_everything_comes_back(recorded):
+def test_a_recording_contains_the_whole_run(recorded):
     run, folder = recorded
     back = sim.load_run(folder)
     assert run.summary["penalties"] > 0
@@ -91,7 +91,7 @@ def test_the_scene_names_all_bodies(recorded):
         scene.kind("eve")
 
 
-def test_a_recording_can_be_recorded_without_the_files_it_was_made_from(tmp_path):
+def test_a_recording_can_be_copied_without_the_files_of_its_trial(tmp_path):
     room = tmp_path / "room.yaml"
     room.write_text("{boundary: [[0, 0], [9, 0], [9, 9], [0, 9]], safe_zone: {at: [1, 1]}}")
     trial = sim.Trial.parse(
@@ -102,7 +102,7 @@ def test_a_recording_can_be_recorded_without_the_files_it_was_made_from(tmp_path
     assert sim.load_run(tmp_path / "run").floorplan == run.floorplan
 
 
-def test_a_run_that_was_broken_off_goes_as_far_as_it_was_written(recorded, folder):
+def test_an_interrupted_run_is_loaded_as_far_as_it_was_written(recorded, folder):
     run = recorded[0]
     for name in ("summary.json", "violations.jsonl", "trajectory.csv", "replay.html"):
         (folder / name).unlink()
@@ -110,19 +110,20 @@ def test_a_run_that_was_broken_off_goes_as_far_as_it_was_written(recorded, folde
     assert back.summary == {}
     assert (back.motions, back.duration) == (run.motions, run.duration)
     for pair, intervals in run.violations.items():
-        # The end of a violation is a teleport: what came before it is found to the microsecond.
+        # Violations end with a teleport, so they are found to the microsecond from the motions
+        # before.
         assert len(back.violations[pair]) == len(intervals)
-        for found, noted in zip(back.violations[pair], intervals, strict=True):
-            assert found == pytest.approx(noted, abs=1e-6)
+        for interval, noted in zip(back.violations[pair], intervals, strict=True):
+            assert interval == pytest.approx(noted, abs=1e-6)
 
 
-def test_recorded_pieces_of_no_length_change_nothing(folder):
+def test_recorded_pieces_of_zero_duration_change_nothing(folder):
     (folder / "summary.json").unlink()
     plain = sim.load_run(folder)
     motions = folder / "motions.jsonl"
     lines = [json.loads(line) for line in motions.read_text().splitlines()]
     for line in lines:
-        # Fast pieces of no length, one before each of the others.
+        # Add a fast piece of zero duration before each of the others.
         flashes = [
             [begin, begin, *([axis[0], 50.0, 0.0, 0.0] for axis in axes)]
             for begin, _, *axes in line["pieces"]
@@ -138,7 +139,7 @@ def test_recorded_pieces_of_no_length_change_nothing(folder):
 
 @settings(max_examples=30)
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
-def test_files_that_end_anywhere_are_read_where_the_run_was_broken_off(recorded, events, motions):
+def test_files_cut_anywhere_are_read_as_interrupted_runs(recorded, events, motions):
     run, whole = recorded
     with pytest.MonkeyPatch.context() as patch:
         folder = whole.with_name("broken")
@@ -233,16 +234,18 @@ def test_damage_is_reported_with_its_place(recorded, folder, file, damage, messa
         damaged = damage(text)
         assert damaged != text
         path.write_text(damaged, encoding="utf-8")
-    with pytest.raises(sim.RecordingError, match=message) as told:
+    with pytest.raises(sim.RecordingError, match=message) as error:
         sim.load_run(folder)
-    assert str(folder) in str(told.value)
-    said = []
+    assert str(folder) in str(error.value)
+    reported = []
     if file == "scene.json" and "scene/9" not in message:
         with pytest.raises(sim.RecordingError, match=message):
-            sim.load_run(folder, damage=said.append)
+            sim.load_run(folder, damage=reported.append)
         return
-    left = sim.load_run(folder, damage=said.append)
-    assert re.search(message if file != "scene.json" else "later format .*scene/9", " ".join(said))
+    left = sim.load_run(folder, damage=reported.append)
+    assert re.search(
+        message if file != "scene.json" else "later format .*scene/9", " ".join(reported)
+    )
     run, _ = recorded
     for name, motion in left.motions.items():
         for t in (0.0, 0.5 * motion.end, motion.end):
@@ -258,9 +261,9 @@ def test_known_parts_of_a_later_version_are_read(recorded, folder):
     scene |= {"format": "floorwalker-scene/2", "weather": "rain"}
     scene["rules"]["mercy"] = 3.0
     path.write_text(json.dumps(scene), encoding="utf-8")
-    said = []
-    left = sim.load_run(folder, damage=said.append)
-    assert said == [
+    reported = []
+    left = sim.load_run(folder, damage=reported.append)
+    assert reported == [
         "made in the later format floorwalker-scene/2; what this version knows of it is shown"
     ]
     assert left.motions == recorded[0].motions
@@ -286,7 +289,7 @@ scaled = st.builds(Scaled, laws, terms, st.just(math.inf) | terms)
 
 @settings(max_examples=30)
 @given(st.sampled_from(floorplan.builtin()), laws, scaled, st.just(math.inf) | terms)
-def test_every_scene_comes_back(tmp_path_factory, floor, law, noticed, parting):
+def test_every_scene_is_read_back_unchanged(tmp_path_factory, floor, law, noticed, parting):
     notice = replace(sim.PAPER.notice, law=noticed, parting=parting, every=None)
     rules = replace(sim.PAPER, gantry_law=law, notice=notice)
     people = (Figure("ada", personality="inf", radius=0.3, height=1.7),)
@@ -302,7 +305,7 @@ def test_every_scene_comes_back(tmp_path_factory, floor, law, noticed, parting):
 
 
 class OwnLaw:
-    """A law that no recording knows how to write down."""
+    """A custom law that a recording cannot contain."""
 
     def distance(self, human_speed, robot_speed):
         return 0.2

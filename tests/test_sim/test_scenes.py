@@ -1,4 +1,4 @@
-"""The scenes of the human challenge, from end to end: who goes where, and what it costs."""
+"""The scenes of the human challenge from end to end: goals of the person, and penalties."""
 
 import itertools
 import math
@@ -15,7 +15,7 @@ GANTRY = (-2.5, 0.5)
 
 @pytest.fixture(scope="module")
 def scene():
-    """The run of a personality's scene; each is run once."""
+    """Return a function that runs the scene of a personality, once for each."""
     runs = {}
 
     def run(personality):
@@ -81,7 +81,7 @@ def test_the_antagonistic_person_turns_to_the_gantry_before_station1(scene):
 
 
 def test_the_antagonistic_person_turns_to_the_gantry_in_every_round(scene):
-    """Once, being put into the safe zone counted as the nearest point of the approach."""
+    """The teleport into the safe zone does not count as the nearest point of the approach."""
     run = scene("antagonistic")
     noticed, violations = events(run, "gantry_detected"), events(run, "violation")
     assert len(noticed) - len(violations) in (0, 1)
@@ -110,7 +110,7 @@ def test_the_helpful_person_never_comes_too_close_and_does_not_dither(scene):
 
 @pytest.mark.parametrize("personality", ["indifferent", "antagonistic", "helpful"])
 def test_verdicts_equal_those_of_sampled_motions(scene, personality):
-    """Nothing but the recorded motions, sampled at 1 kHz, says the same as the referee."""
+    """The recorded motions, sampled at 1 kHz, agree with the referee."""
     run = scene(personality)
     samples = run.sample(rate=1000.0)
     person, gantry = samples["operator"], samples["gantry"]
@@ -169,7 +169,7 @@ def test_an_agv_that_drives_past_teleports_without_penalty(tmp_path):
     (violation,) = events(run, "violation")
     assert violation["with"] == "agv1"
     assert violation["penalty"] is False
-    # It counts from the instant at which the AGV is faster than 0.01 m/s (2 m/s²).
+    # It counts from the time at which the AGV is faster than 0.01 m/s (2 m/s²).
     assert violation["t"] == pytest.approx(20.005, abs=1e-6)
     (teleport,) = events(run, "teleport")
     assert (teleport["t"], teleport["reason"]) == (violation["t"], "agv")
@@ -178,7 +178,7 @@ def test_an_agv_that_drives_past_teleports_without_penalty(tmp_path):
     assert run.summary["gantry_disabled_time"] == 0.0
 
 
-def test_an_agv_that_comes_near_a_walking_person():
+def test_an_agv_that_passes_a_walking_person():
     run = sim.run(
         sim.Trial.parse(
             """

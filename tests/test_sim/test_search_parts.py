@@ -1,4 +1,4 @@
-"""Parts of searches: ranks, distinct cases, dimensions, and what minimising keeps."""
+"""Parts of searches: ranks, distinct cases, dimensions, and minimising."""
 
 import math
 from dataclasses import replace
@@ -81,7 +81,7 @@ def test_without_a_place_points_are_one_within_a_quarter_of_their_ranges(shares,
     assert len(distinct(evaluations, dimensions, 9)) == count
 
 
-def test_without_a_place_other_words_are_another_point():
+def test_without_a_place_different_words_are_different_points():
     dimensions = [Dimension("who", "who", values=("x", "y")), Dimension("b", "b", 0.0, 1.0)]
     points = [{"who": "x", "b": 0.0}, {"who": "y", "b": 0.0}, {"who": "x", "b": 0.1}]
     evaluations = [tried(k, -1.0, point=point) for k, point in enumerate(points)]
@@ -137,7 +137,7 @@ def test_numbers_are_rounded_and_stay_within_their_dimension():
     assert Dimension("a", "a", 2.0, 2.0).share(2.0) == 0.0
 
 
-def test_words_are_drawn_alike_and_have_equal_shares():
+def test_words_are_drawn_equally_often_and_have_equal_shares():
     words = Dimension("a", "a", values=("x", "y", "z"))
     assert [words.draw(share) for share in (0.0, 0.32, 0.34, 0.66, 0.67, 0.99, 1.0)] == [*"xxyyzzz"]
     assert [words.share(word) for word in "xyz"] == [0.0, 0.5, 1.0]
@@ -234,7 +234,7 @@ def minimised(text, **objective):
 def test_a_wait_takes_the_place_of_jobs_that_only_take_time():
     whole = sim.run(sim.Trial.parse(WAITING.format(start=0)))
     done = [event["t"] for event in whole.events if event["kind"] == "job_done"]
-    # Ann comes when the last move is well under way: with fewer jobs it is over before.
+    # Ann comes when the last move is well under way. With fewer jobs it ends before.
     text = WAITING.format(start=round(done[3] - 1.5, 2))
     small = minimised(text, minimise="least_margin_moving")
     kinds = [job.kind for job in small.trial.gantry.jobs]
@@ -243,7 +243,7 @@ def test_a_wait_takes_the_place_of_jobs_that_only_take_time():
     assert sim.run(small.trial).summary["least_margin_moving"]["value"] == small.value
 
 
-def test_a_minimised_trial_has_only_entries_that_the_break_needs():
+def test_a_minimised_trial_has_only_necessary_entries():
     text = """
 name: much
 floorplan: ariac2023

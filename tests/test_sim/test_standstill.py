@@ -1,4 +1,4 @@
-"""Runs in which simulated time does not go on end with a message, and keep what happened."""
+"""Runs in which simulated time stops end with a message, and keep their events."""
 
 import inspect
 
@@ -9,14 +9,14 @@ import sim
 
 
 def halving(gantry):
-    """Waits shorter and shorter, so that one second never comes."""
+    """Wait for shorter and shorter times, so that one second is never reached."""
     seconds = 0.5
     while True:
         yield gantry.wait(seconds)
         seconds /= 2
 
 
-def test_a_standstill_ends_a_command_and_keeps_what_happened(floorwalker, tmp_path):
+def test_a_standstill_ends_a_command_and_keeps_its_events(floorwalker, tmp_path):
     (tmp_path / "own.py").write_text(inspect.getsource(halving))
     (tmp_path / "t.trial.yaml").write_text(
         "floorplan: ariac2023\nduration: 60.0\ngantry: {controller: 'own:halving'}\n"
@@ -30,7 +30,7 @@ def test_a_standstill_ends_a_command_and_keeps_what_happened(floorwalker, tmp_pa
     assert len(run.events) < 5000
 
 
-def test_a_controller_that_lets_time_stand_still_is_named():
+def test_a_controller_that_stops_time_is_named():
     trial = sim.Trial.parse("floorplan: ariac2023\nduration: 60.0\ngantry: {controller: parked}")
     simulation = sim.Simulation(trial)
     simulation.clock.process(halving(simulation.gantry))

@@ -46,14 +46,14 @@ def test_people_without_a_goal_step_off_the_course(count, speed):
     assert run.motions["p0"].position(run.duration)[1] != 5.0
 
 
-def test_a_person_steps_aside_each_time_that_the_vehicle_comes():
+def test_a_person_steps_aside_each_time_the_vehicle_comes():
     goals = [(14, 5), (2, 5), (14, 7), (2, 7), (14, 5)]
     bot = vehicle([2, 5, 0], *goals, max_speed=1.5)
     run = run_in_hall([{"name": "p", "at": [7.0, 5.0], **RESTS}], {"v": bot}, 80)
     assert run.summary["contacts"] == 0
 
 
-def test_a_person_who_steps_aside_for_no_other_person_does_so_for_a_vehicle():
+def test_a_person_who_never_steps_aside_for_people_does_so_for_a_vehicle():
     person = {"name": "p", "at": [7.0, 5.0], "manners": {"steps_aside": False}, **RESTS}
     run = run_in_hall([person], {"v": vehicle([2, 5, 0], (14, 5))})
     assert run.summary["contacts"] == 0

@@ -1,4 +1,4 @@
-"""Studies that are run: the same results however they are run, whatever stops them."""
+"""Studies and their results, which do not depend on processes, interruptions and backends."""
 
 import csv
 import json
@@ -113,8 +113,8 @@ def test_every_row_has_the_figures_of_a_run_of_its_trial(study, tmp_path):
 @pytest.mark.slow
 def test_results_do_not_depend_on_jobs_and_backend(study, tmp_path):
     written = set()
-    with socket.socket() as taken:  # the port that Dask takes if it is given none
-        with suppress(OSError):  # somebody else has it
+    with socket.socket() as taken:  # Dask's default port
+        with suppress(OSError):  # another process has it
             taken.bind(("", 8787))
             taken.listen()
         for backend, jobs in (("sequential", 1), ("loky", 2), ("dask", 2)):
@@ -139,7 +139,7 @@ def test_rows_run_on_the_cluster_of_the_current_client(study, tmp_path):
     assert len(lines(tmp_path / "out" / "results.csv")) == 16
 
 
-def test_there_is_no_such_backend(study, tmp_path):
+def test_an_unknown_backend_is_rejected(study, tmp_path):
     with pytest.raises(ValueError, match="Invalid backend: lucky, expected one of"):
         sim.run_study(study, tmp_path / "out", backend="lucky")
 
@@ -162,9 +162,9 @@ def moody(gantry):
 
 
 @pytest.mark.slow
-def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
+def test_a_killed_study_continues_and_ends_with_the_same_bytes(study, folder):
     (folder / "moody.py").write_text(CONTROLLER.replace("def moody", "def driven") + WAITS)
-    (folder / "held").touch()  # when it has some rows, it waits for what kills it
+    (folder / "held").touch()  # with some rows, the controller waits until the test kills the study
     process = command(folder, "--out", "killed", "--jobs", "2", start_new_session=True)
     results = folder / "killed" / "results.jsonl"
     wait_for_rows(folder / "killed", process)
@@ -208,8 +208,8 @@ def test_semaphores_are_cleaned_up_silently_after_an_interrupt():
         pytest.param(os.killpg, signal.SIGINT, "dask", marks=pytest.mark.slow),
     ],
 )
-def test_a_study_that_is_stopped_says_how_to_go_on(folder, stop, sent, backend):
-    """And leaves no workers behind."""
+def test_a_stopped_study_explains_how_to_continue(folder, stop, sent, backend):
+    """It leaves no workers behind."""
     (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
     options = ("--out", "stopped", "--jobs", "2", "--backend", backend)
     process = command(folder, *options, start_new_session=True)
@@ -224,16 +224,18 @@ def test_a_study_that_is_stopped_says_how_to_go_on(folder, stop, sent, backend):
     assert [line["row"] for line in table[:3]] == ["0", "1", "2"]
 
 
-def test_a_finished_study_runs_nothing_again(study, tmp_path):
+def test_a_finished_study_runs_no_row_again(study, tmp_path):
     sim.run_study(study, tmp_path, jobs=1)
-    table, told = tmp_path / "results.csv", []
+    table, reported = tmp_path / "results.csv", []
     before = (table.read_bytes(), table.stat().st_mtime_ns)
-    results = sim.run_study(study, tmp_path, jobs=1, begin=told.append, progress=told.append)
-    assert (told, len(results)) == ([16], 16)
+    results = sim.run_study(
+        study, tmp_path, jobs=1, begin=reported.append, progress=reported.append
+    )
+    assert (reported, len(results)) == ([16], 16)
     assert (table.read_bytes(), table.stat().st_mtime_ns) == before
 
 
-def test_a_changed_row_is_reported_and_removed_rows_are_measured_again(study, tmp_path):
+def test_a_changed_row_is_reported_and_removed_rows_are_run_again(study, tmp_path):
     sim.run_study(study, tmp_path, jobs=1)
     rows, table = tmp_path / "results.jsonl", tmp_path / "results.csv"
     whole, csv_bytes = rows.read_bytes(), table.read_bytes()
@@ -260,7 +262,7 @@ def test_a_changed_table_is_restored_from_its_rows(study, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("file", "change", "told"),
+    ("file", "change", "words"),
     [
         ("s.study.yaml", ("seed: 11", "seed: 12"), "the study"),
         ("s.study.yaml", ("0.2]", "0.3]"), "the study"),
@@ -268,20 +270,20 @@ def test_a_changed_table_is_restored_from_its_rows(study, tmp_path):
         ("moody.py", ("1.0", "1.5"), "the controller moody:moody"),
     ],
 )
-def test_the_folder_of_another_study_is_refused(study, folder, file, change, told):
+def test_the_folder_of_another_study_is_rejected(study, folder, file, change, words):
     with StudyFolder(folder / "out", study):
         pass
     text = (folder / file).read_text()
     (folder / file).write_text(text.replace(*change))
     other = sim.Study.load(folder / "s.study.yaml")
-    with pytest.raises(sim.OutputError, match=rf"another study \(changed since: {told}\)"):
+    with pytest.raises(sim.OutputError, match=rf"another study \(changed since: {words}\)"):
         sim.run_study(other, folder / "out", jobs=1)
     (folder / file).write_text(text)
     with StudyFolder(folder / "out", sim.Study.load(folder / "s.study.yaml")):
         pass
 
 
-def test_a_program_that_is_changed_while_a_study_runs_is_reported(tmp_path):
+def test_a_program_that_changes_while_a_study_runs_is_reported(tmp_path):
     (tmp_path / "calm.asl").write_text("!rest. +!rest <- true.")
     text = "floorplan: ariac2023\nduration: 1\npeople: [{name: ada, personality: calm.asl}]\n"
     study = sim.Study("calm", (sim.Trial.parse(text, folder=tmp_path),), repeat=2)
@@ -293,7 +295,7 @@ def test_a_program_that_is_changed_while_a_study_runs_is_reported(tmp_path):
         sim.run_study(study, tmp_path / "out", jobs=1, progress=edit)
 
 
-def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
+def test_an_unusable_folder_is_rejected(study, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(sim.OutputError, match="can't write to"):
         sim.run_study(study, tmp_path / "file")
@@ -340,7 +342,7 @@ def test_a_worker_that_dies_is_reported(folder):
     assert "Traceback" not in err
 
 
-def test_the_trial_of_a_row_gives_its_figures_again(study, folder, floorwalker):
+def test_the_trial_of_a_row_repeats_its_figures(study, folder, floorwalker):
     done = floorwalker("study", "s.study.yaml", "--row", "6", "--out", "out", cwd=folder)
     assert (done.returncode, done.stdout, done.stderr) == (0, "out/trials/000006.yaml\n", "")
     assert not (folder / "out" / "results.csv").exists()
@@ -355,7 +357,7 @@ def test_the_trial_of_a_row_gives_its_figures_again(study, folder, floorwalker):
         save_trial(study, 16, folder)
 
 
-def test_metrics_are_columns_where_they_are_asked_for(folder):
+def test_requested_metrics_are_columns(folder):
     text = STUDY.replace("repeat: 4", "repeat: 1\nmetrics: true")
     study = sim.Study.parse(text, folder=folder)
     results = sim.run_study(study, folder / "out", jobs=1)
@@ -376,7 +378,7 @@ def test_parquet_and_csv_contain_the_same_table(study, tmp_path):
     assert frame["error"].isna().sum() == 8
 
 
-def test_check_knows_studies(folder, floorwalker):
+def test_check_accepts_studies(folder, floorwalker):
     checked = floorwalker("check", "s.study.yaml", cwd=folder)
     assert checked.returncode == 0
     assert checked.stdout.endswith("s.study.yaml: a study of 1 trial, 16 rows\n")
@@ -447,7 +449,7 @@ def test_a_failure_of_a_program_names_row_action_and_reason(tmp_path, floorwalke
     (tmp_path / "far.study.yaml").write_text("trials: [far.trial.yaml]\nrepeat: 2\n")
     done = floorwalker("study", "far.study.yaml", "--jobs", 2, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    said = [line for line in done.stderr.splitlines() if "an intention ended" in line]
-    assert sorted(line.partition(":")[0] for line in said) == ["row 0", "row 1"]
-    for line in said:
+    notices = [line for line in done.stderr.splitlines() if "an intention ended" in line]
+    assert sorted(line.partition(":")[0] for line in notices) == ["row 0", "row 1"]
+    for line in notices:
         assert "failed at far.asl:1 in move(9.5,3,0): action_failed; no way, however narrow" in line

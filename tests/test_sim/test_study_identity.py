@@ -1,4 +1,4 @@
-"""Results of a study belong to the code that made them: all files of it count."""
+"""Identity of results: it covers all files of the code that made them."""
 
 import pytest
 
@@ -106,7 +106,7 @@ def test_controllers_of_one_name_in_two_folders_both_count(tmp_path):
         before = identity(study)
 
 
-def test_results_of_another_vehicle_controller_are_refused(tmp_path):
+def test_results_of_another_vehicle_controller_are_rejected(tmp_path):
     (tmp_path / "rev.py").write_text("def go(vehicle):\n    return (0.3, 0.0)\n")
     text = TRIAL.partition("rules")[0] + "machines:\n"
     text += '  m: {kind: amr, at: [10, 6, 0], controller: "rev:go", rate: 10}\n'
@@ -117,7 +117,7 @@ def test_results_of_another_vehicle_controller_are_refused(tmp_path):
         sim.run_study(study, tmp_path / "out", jobs=1)
 
 
-def test_the_safety_report_names_controllers_also_of_trials_made_in_python(tmp_path):
+def test_the_safety_report_names_controllers_of_trials_made_in_python(tmp_path):
     def slowly(vehicle):
         return 0.2, 0.0
 

@@ -1,4 +1,4 @@
-"""Studies that vary any figure of a trial by its path."""
+"""Studies that vary any value of a trial by its path."""
 
 import pytest
 
@@ -55,12 +55,12 @@ def test_fields_of_one_machine_or_of_all_are_varied(tmp_path):
         ("fields.fork.restart_delay: [0.001]", "must be at least 0.01 s, not 0.001"),
     ],
 )
-def test_fields_that_are_not_there_are_refused(tmp_path, path, message):
+def test_unknown_fields_are_rejected(tmp_path, path, message):
     with pytest.raises(ValueError, match=message):
         study(tmp_path, f"  {path}\n", FIELDS)
 
 
-def test_every_row_has_the_figures_that_its_parameters_say(tmp_path):
+def test_every_row_has_the_values_of_its_parameters(tmp_path):
     made = study(
         tmp_path,
         "  rules.gantry_law.t1: [0.5, 1.5]\n"
@@ -157,12 +157,12 @@ def test_every_value_of_a_trial_is_varied_by_its_path(tmp_path, path, value, cha
         ("weather: [1]", "'weather' to vary"),
     ],
 )
-def test_values_that_are_not_there_or_do_not_fit_are_refused(tmp_path, path, message):
+def test_unknown_paths_and_invalid_values_are_rejected(tmp_path, path, message):
     with pytest.raises(ValueError, match=message):
         study(tmp_path, f"  {path}\n", DAY)
 
 
-def test_numbers_are_not_drawn_where_only_whole_numbers_fit(tmp_path):
+def test_real_numbers_are_not_drawn_for_keys_of_whole_numbers(tmp_path):
     (tmp_path / "one.trial.yaml").write_text(DAY)
     text = "trials: [one.trial.yaml]\nrandom: {work.picks.0.priority: {uniform: [1, 5]}}"
     with pytest.raises(ValueError, match="whole number"):

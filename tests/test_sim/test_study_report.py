@@ -24,7 +24,7 @@ def results(tmp_path_factory):
 
 
 class Page(HTMLParser):
-    """The texts of a page's table cells, row by row, and what it would load from elsewhere."""
+    """Texts of the table cells of a page, row by row, and its links."""
 
     def __init__(self, text):
         super().__init__()
@@ -48,7 +48,7 @@ class Page(HTMLParser):
             self._cell = None
 
 
-def test_the_runs_to_look_at_have_the_least_separations(results):
+def test_the_suggested_runs_have_the_least_separations(results):
     page = Page((results.folder / "report.html").read_text(encoding="utf-8"))
     named = [(int(row[0]), row[2]) for row in page.rows if len(row) == 3 and row[0].isdigit()]
     near = [k for k, (_, why) in enumerate(named) if why.startswith("least separation: ")]
@@ -93,19 +93,19 @@ def test_figures_that_never_change_have_no_chart(results):
 
 def test_the_page_looks_right_on_a_phone(results, browser):
     page = browser.new_page(viewport={"width": 390, "height": 800})
-    said = []
-    page.on("console", lambda message: said.append(message.text))
-    page.on("pageerror", lambda error: said.append(str(error)))
+    messages = []
+    page.on("console", lambda message: messages.append(message.text))
+    page.on("pageerror", lambda error: messages.append(str(error)))
     page.goto((results.folder / "report.html").as_uri())
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     page.locator("summary").first.click()
     assert page.locator("details table").first.is_visible()
     page.close()
-    assert said == []
+    assert messages == []
 
 
-def test_nothing_is_cut_off_on_a_screen(results, browser):
-    """Neither the table nor, by the axes or the edge of a chart, a mark."""
+def test_tables_and_charts_fit_on_a_screen(results, browser):
+    """No table is wider than the page, and no mark of a chart is clipped."""
     page = browser.new_page(viewport={"width": 1300, "height": 900})
     page.goto((results.folder / "report.html").as_uri())
     section = page.locator("section", has=page.locator("h2", has_text="Side by side"))
@@ -125,5 +125,5 @@ def test_nothing_is_cut_off_on_a_screen(results, browser):
 
 
 def test_measures_are_columns_of_the_results(results):
-    known = {measure.column for measure in results.comparison.spreads}
-    assert {"penalties", "minimum_separation.distance", "jobs_done"} <= known
+    columns = {measure.column for measure in results.comparison.spreads}
+    assert {"penalties", "minimum_separation.distance", "jobs_done"} <= columns

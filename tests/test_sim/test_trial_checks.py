@@ -1,4 +1,4 @@
-"""Trials made in Python are held to what holds for trial files."""
+"""Trials made in Python are checked by the rules of trial files."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -15,24 +15,24 @@ SHOP = floorplan.load("warehouse")
 NAN = float("nan")
 
 
-def ada(**given):
-    return {"people": (sim.PersonEntry("ada", **given),)}
+def ada(**keys):
+    return {"people": (sim.PersonEntry("ada", **keys),)}
 
 
-def rules(**given):
-    return {"rules": replace(sim.PAPER, **given)}
+def rules(**keys):
+    return {"rules": replace(sim.PAPER, **keys)}
 
 
-def notice(**given):
-    return rules(notice=replace(sim.PAPER.notice, **given))
+def notice(**keys):
+    return rules(notice=replace(sim.PAPER.notice, **keys))
 
 
-def jobs(*given):
-    return {"gantry": sim.GantryEntry("oblivious", jobs=given)}
+def jobs(*entries):
+    return {"gantry": sim.GantryEntry("oblivious", jobs=entries)}
 
 
-def moves(*given, agv="agv1"):
-    return {"agvs": {agv: tuple(sim.AgvMove(time, to) for time, to in given)}}
+def moves(*entries, agv="agv1"):
+    return {"agvs": {agv: tuple(sim.AgvMove(time, to) for time, to in entries)}}
 
 
 def changes(personality, time=5.0):
@@ -40,7 +40,7 @@ def changes(personality, time=5.0):
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("keys", "message"),
     [
         ({"duration": -1.0}, "duration: must be more than 0 and at most 1e.10, not -1.0"),
         ({"duration": 1e10}, "duration: must be"),
@@ -92,21 +92,21 @@ def changes(personality, time=5.0):
         ),
     ],
 )
-def test_what_can_not_be_is_reported_before_anything_runs(given, message):
-    trial = sim.Trial(**{"floorplan": FLOOR, "name": "mine", "duration": 10.0, **given})
-    with pytest.raises(sim.TrialError, match=message) as told:
+def test_an_impossible_trial_is_reported_before_the_run(keys, message):
+    trial = sim.Trial(**{"floorplan": FLOOR, "name": "mine", "duration": 10.0, **keys})
+    with pytest.raises(sim.TrialError, match=message) as error:
         sim.Simulation(trial)
-    assert str(told.value).startswith("trial 'mine': ")
-    assert len(told.value.problems) == 1
+    assert str(error.value).startswith("trial 'mine': ")
+    assert len(error.value.problems) == 1
 
 
-def test_everything_is_reported_at_once():
+def test_all_problems_are_reported_at_once():
     trial = sim.Trial(FLOOR, duration=-1.0, **ada(at=(99.0, 0.0)), expect={"nothing": 1})
     with pytest.raises(sim.TrialError, match="3 problems"):
         sim.run(trial)
 
 
-def test_a_program_itself_is_a_personality():
+def test_a_program_can_be_a_personality():
     program = bdi.parse("!rest. +!rest <- .print(resting).", "calm")
     change = sim.PersonalityChange(sim.Start(0.5), bdi.parse("!go. +!go <- .print(going).", "busy"))
     person = sim.PersonEntry("ada", personality=program, changes=(change,))
@@ -116,19 +116,19 @@ def test_a_program_itself_is_a_personality():
     assert said(sim.run(trial.with_personality(program))) == ["resting"]
 
 
-def test_the_personality_alone_decides_who_somebody_is(tmp_path):
+def test_only_the_personality_decides_the_behaviour_of_a_person(tmp_path):
     for mood in ("calm", "busy"):
         (tmp_path / f"{mood}.asl").write_text(f"!go. +!go <- .print({mood}).")
     text = "floorplan: ariac2023\nduration: 1\npeople: [{name: ada, personality: calm.asl}]\n"
     trial = sim.Trial.parse(text, folder=tmp_path)
     other = replace(trial, people=(replace(trial.people[0], personality="busy.asl"),))
     assert (said(sim.run(trial)), said(sim.run(other))) == (["calm"], ["busy"])
-    # A file counts as it is when the trial is run.
+    # The file is read again for each run.
     (tmp_path / "calm.asl").write_text("!go. +!go <- .print(excited).")
     assert said(sim.run(trial)) == ["excited"]
 
 
-def test_a_personality_of_no_name_is_one_error_everywhere():
+def test_an_unknown_personality_is_the_same_error_everywhere():
     def changes_to(name):
         simulation = sim.Simulation(sim.Trial(FLOOR, **ada()))
         simulation.people[0].change_personality(name)
@@ -146,7 +146,7 @@ def test_a_personality_of_no_name_is_one_error_everywhere():
             use("hepful")
 
 
-def test_who_waits_for_an_event_does_not_start_at_once():
+def test_a_person_who_waits_for_an_event_does_not_start_at_once():
     start = sim.Start(event="job_done")
     assert start == sim.Start(None, event="job_done")
     trial = sim.Trial(FLOOR, duration=10.0, **ada(start=start), **jobs(sim.Job("wait", seconds=4)))

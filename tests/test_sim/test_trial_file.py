@@ -1,4 +1,4 @@
-"""Trial files: what they say, and what is said about those that make no sense."""
+"""Trial files and their errors."""
 
 import pytest
 
@@ -35,7 +35,7 @@ def problems(text):
     return "\n".join(str(problem) for problem in caught.value.problems)
 
 
-def test_everything_that_a_trial_says():
+def test_all_keys_of_a_trial_are_read():
     trial = sim.Trial.parse(TRIAL, file="lunch.trial.yaml")
     assert trial.name == "lunch"
     assert trial.floorplan == floorplan.load("ariac2023")
@@ -99,16 +99,16 @@ def test_every_builtin_trial_loads(name):
         ),
     ],
 )
-def test_what_makes_no_sense_is_reported_with_its_place(change, message):
+def test_invalid_values_are_reported_with_their_place(change, message):
     assert TRIAL.replace(*change) != TRIAL
     assert message in problems(TRIAL.replace(*change))
 
 
-def test_problems_of_several_kinds_come_together():
+def test_problems_of_several_kinds_are_reported_together():
     text = TRIAL.replace("personality: antagonistic", "personality: nobody")
     text = text.replace("agv1:", "agv9:").replace("penalties: 0", "penaltys: 0")
-    said = problems(text)
-    assert [place in said for place in ("line 5", "agvs.agv9", "expect.penaltys")] == [True] * 3
+    reported = problems(text)
+    assert [place in reported for place in ("line 5", "agvs.agv9", "expect.penaltys")] == [True] * 3
 
 
 def test_a_person_without_a_place_to_start_from(tmp_path):
@@ -134,7 +134,7 @@ def test_people_start_and_are_at_home_at_places_by_name():
 
 
 @pytest.mark.parametrize("key", ["at", "home"])
-def test_a_place_of_a_name_that_is_not_there(key):
+def test_an_unknown_name_of_a_place_is_reported(key):
     message = f"people[0].{key}: no station or door is called 'station11'; did you mean 'station1'"
     assert message in problems(f"floorplan: ariac2023\npeople: [{{name: a, {key}: station11}}]\n")
 
@@ -162,7 +162,7 @@ def test_a_program_with_a_fault_is_reported_with_line_and_column(tmp_path):
         ("a.asl", "+a <- b.", "is a program, not a trial"),
     ],
 )
-def test_a_file_of_something_else_is_told_by_what_it_is(tmp_path, name, text, words):
+def test_a_file_of_another_kind_is_named_by_its_kind(tmp_path, name, text, words):
     (tmp_path / name).write_text(text)
     with pytest.raises(sim.TrialError, match=words):
         sim.Trial.load(tmp_path / name)

@@ -60,7 +60,7 @@ starts = st.one_of(
 
 
 def apart(people):
-    """Return False if one starts on another."""
+    """Return False if one person starts on another."""
     places = [person.at for person in people if person.at]
     return len({*places}) == len(places)
 
@@ -113,7 +113,7 @@ trials = st.builds(
 
 
 @given(trials)
-def test_what_is_written_is_read_as_the_same_trial(trial):
+def test_written_trials_are_read_as_the_same_trials(trial):
     assert sim.Trial.parse(trial.to_yaml()) == trial
 
 
@@ -235,25 +235,25 @@ expect: {penalties: 0}
 
 
 def keys_in(form, written):
-    """The keys of a form and of the forms within it that are written, as `form.key`."""
+    """Return the written keys of a form and of the forms within it, as (form, key)."""
     if isinstance(written, list):
         return {key for one in written for key in keys_in(form, one)}
-    found = set()
+    keys = set()
     if not isinstance(written, dict):
-        return found
+        return keys
     for key, annotation in form_keys(form):
         if key in written:
-            found.add((form, key))
+            keys.add((form, key))
             value = written[key]
             bare = get_args(annotation)[0] if get_origin(annotation) is Annotated else annotation
             named = get_origin(bare) is dict and isinstance(value, dict)
             for inner in forms(annotation):
-                found |= keys_in(inner, [*value.values()] if named else value)
-    return found
+                keys |= keys_in(inner, [*value.values()] if named else value)
+    return keys
 
 
 def forms_below(form):
-    """The form, and all those in its keys."""
+    """Return the form and all forms in its keys."""
     inner = {one for _, annotation in form_keys(form) for one in forms(annotation)}
     return {form}.union(*map(forms_below, inner - {RuleForm}))  # see test_rules_file.py
 
@@ -261,18 +261,18 @@ def forms_below(form):
 def test_every_key_is_read_and_written(tmp_path):
     (tmp_path / "tracks.csv").write_text("id,frame,x,y\n7,20,-14,-8\n7,40,-14,-8\n")
     data = yaml.safe_load(EVERY_KEY)
-    known = {(form, key) for form in forms_below(TrialKeys) for key, _ in form_keys(form)}
+    keys = {(form, key) for form in forms_below(TrialKeys) for key, _ in form_keys(form)}
     shape = {"z", *(key for key, _ in form_keys(FootprintKeys))}
-    known = {(form, key) for form, key in known if key not in shape}
+    keys = {(form, key) for form, key in keys if key not in shape}
     elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
     elsewhere |= {(TrialKeys, "doors"), (DoorTimes, "closed"), (DoorTimes, "open")}
     elsewhere.add((Muting, "zones"))
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     elsewhere.add((RecordedTrack, "everybody"))  # its people are written
-    elsewhere |= {(form, "count") for form, key in known if key == "stream"}
-    # Moves that come again are written one by one.
-    elsewhere |= {(form, "every") for form, key in known if key == "to"} & known
-    assert known - keys_in(TrialKeys, data) == elsewhere
+    elsewhere |= {(form, "count") for form, key in keys if key == "stream"}
+    # Repeated moves are written one by one.
+    elsewhere |= {(form, "every") for form, key in keys if key == "to"} & keys
+    assert keys - keys_in(TrialKeys, data) == elsewhere
     trial = sim.Trial.parse(EVERY_KEY, folder=tmp_path)
     assert yaml.safe_load(trial.to_yaml(tmp_path)) == data
 
@@ -281,7 +281,7 @@ def test_every_key_is_read_and_written(tmp_path):
 def test_a_trial_saved_elsewhere_finds_its_files(path, tmp_path):
     shutil.copytree(path.parent, tmp_path / "examples")
     trial = sim.Trial.load(tmp_path / "examples" / path.name)
-    # A trial that names code stands with it: see test_own_code.py.
+    # A trial that names code stays with it: see test_own_code.py.
     deep = tmp_path / ("examples" if [*own_names(trial)] else "elsewhere") / "deep"
     deep.mkdir(parents=True)
     trial.save(deep / "again.yaml")
@@ -292,7 +292,7 @@ def test_a_trial_saved_elsewhere_finds_its_files(path, tmp_path):
     assert sim.run(short[0]).events == sim.run(short[1]).events
 
 
-def test_a_floor_of_no_file_stands_in_the_trial(tmp_path):
+def test_a_floor_without_a_file_is_written_into_the_trial(tmp_path):
     floor = replace(FLOOR, name="mine")
     trial = sim.Trial(floor, people=(sim.PersonEntry("operator"),))
     trial.save(tmp_path / "trial.yaml")
@@ -301,7 +301,7 @@ def test_a_floor_of_no_file_stands_in_the_trial(tmp_path):
     assert "floorplan: ariac2023\n" in sim.Trial(FLOOR).to_yaml()
 
 
-def test_a_floor_in_a_trial_without_a_name_is_called_as_the_trial():
+def test_a_floor_in_a_trial_without_a_name_has_the_name_of_the_trial():
     text = "floorplan: {boundary: [[0, 0], [9, 0], [9, 9]]}\n"
     assert sim.Trial.parse(text, file="a/lunch.trial.yaml").floorplan.name == "lunch"
     assert sim.Trial.parse(f"{text}name: noon\n").floorplan.name == "noon"
@@ -324,7 +324,7 @@ def test_a_name_may_be_empty():
     assert sim.Trial.parse("floorplan: ariac2023\n", file="hall.yaml").name == "hall"
 
 
-def test_numbers_of_numpy_are_written_as_any_others():
+def test_numbers_of_numpy_are_written_as_plain_numbers():
     numbers = sim.Trial(
         FLOOR,
         duration=np.float64(20.0),
@@ -370,7 +370,7 @@ OWN = "!wait. +!wait <- .wait(1000).\n"
 
 
 @pytest.mark.parametrize("of_change", [False, True])
-def test_a_program_of_no_file_is_refused(tmp_path, of_change):
+def test_a_program_without_a_file_is_rejected(tmp_path, of_change):
     def written(program):
         if of_change:
             change = sim.PersonalityChange(sim.Start(3.0), program)
@@ -389,7 +389,7 @@ def test_a_program_of_no_file_is_refused(tmp_path, of_change):
             written(program)
 
 
-def test_programs_that_came_with_the_trial_are_written_from_anywhere(tmp_path, monkeypatch):
+def test_programs_of_the_package_can_be_written_in_any_folder(tmp_path, monkeypatch):
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
     (tmp_path / "a" / "own.asl").write_text(OWN)

@@ -1,4 +1,4 @@
-"""Drives of vehicles: what their routes avoid, how they evade, and how slow zones make them."""
+"""Drives of vehicles: obstacles of routes, evasion, and slow zones."""
 
 import math
 import textwrap
@@ -34,7 +34,7 @@ CHASSIS = Chassis(footprint=box(-0.6, -0.4, 0.6, 0.4), top=0.5, limits=VehicleLi
 
 
 def started(machines, floor=HALL, more="", t=0.0):
-    """A simulation of vehicles on a floor, at a time."""
+    """Return a simulation of vehicles on a floor, at a time."""
     listed = "".join(f"  {name}: {{kind: amr, {keys}}}\n" for name, keys in machines.items())
     shown = textwrap.indent(floor, "  ")
     text = f"floorplan:\n{shown}\nduration: 120\nrules: observe\n{more}machines:\n{listed}"
@@ -45,22 +45,22 @@ def started(machines, floor=HALL, more="", t=0.0):
 
 
 def in_hall(t=0.0, at="[3, 5, 0.0]", keys="missions: [{go: east}]", **more):
-    """A vehicle in a hall at a time, and its simulation."""
+    """Return a vehicle in a hall at a time, and its simulation."""
     simulation = started({"cart": f"at: {at}, {keys}"}, t=t, **more)
     return simulation.machines["cart"], simulation
 
 
 def covered(vehicle, motion, begin=None):
-    """The area that a vehicle covers on a motion."""
+    """Return the area that a vehicle covers on a motion."""
     times = np.linspace(motion.start if begin is None else begin, motion.end, 300)
     states = [motion.state(float(t)) for t in times]
     return shapely.union_all([vehicle.shape.footprint(one.at, one.position[2]) for one in states])
 
 
-# What routes avoid.
+# Obstacles of routes.
 
 
-def test_gates_and_zones_bind_the_vehicles_that_they_concern_only():
+def test_gates_and_zones_apply_only_to_the_vehicles_that_they_concern():
     plan = floorplan.parse(
         HALL
         + textwrap.dedent("""
@@ -97,7 +97,7 @@ def test_a_vehicle_drives_through_a_zone_that_is_forbidden_to_others():
     assert not covered(vehicle, around).intersects(area)
 
 
-def test_people_are_avoided_where_there_is_room_and_else_not():
+def test_people_are_avoided_only_if_there_is_room():
     vehicle, _ = in_hall(1.0)
     assert vehicle.avoid({"ann": (10.0, 5.0)}, 0.5)
     radius = 0.5 + vehicle._stage.floorplan.human.radius
@@ -120,7 +120,7 @@ def test_a_person_close_by_does_not_block_the_start():
     assert motion.position(motion.end) == pytest.approx((18.0, 5.0))
 
 
-def test_a_route_avoids_those_that_stand_and_not_those_that_drive():
+def test_a_route_avoids_stationary_vehicles_and_no_moving_ones():
     machines = {
         "cart": "at: [3, 5, 0.0], controller: parked",
         "stands": "at: [10, 5, 1.57], controller: parked",
@@ -152,7 +152,7 @@ def test_a_route_avoids_no_vehicle_that_waits_in_traffic():
         assert placed == ([] if waits else ["waits"])
 
 
-def test_a_vehicle_that_may_leave_is_no_obstacle_for_good():
+def test_a_vehicle_that_may_leave_is_no_permanent_obstacle():
     machines = {
         "cart": "at: [2, 0.8, 0.0], missions: [{go: east}]",
         "idle": "at: [8, 0.8, 0.0], controller: parked",
@@ -166,7 +166,7 @@ def test_a_vehicle_that_may_leave_is_no_obstacle_for_good():
     assert motion.position(motion.end) == pytest.approx((18.0, 0.8))
 
 
-def test_what_has_come_on_the_route_makes_a_vehicle_brake_and_drive_around_it():
+def test_an_obstacle_on_the_route_makes_a_vehicle_brake_and_drive_around_it():
     pallet = "obstacles: {p: {x: [12, 12.5], y: [4, 6], z: [0, 1], there: [[5.0, 90.0]]}}\n"
     vehicle, simulation = in_hall(4.9, more=pallet)
     straight = vehicle.body.motion
@@ -181,7 +181,7 @@ def test_what_has_come_on_the_route_makes_a_vehicle_brake_and_drive_around_it():
     assert vehicle.body.motion is straight
 
 
-def test_a_vehicle_that_is_held_stays_whatever_comes_on_its_route():
+def test_a_held_vehicle_stays_when_an_obstacle_comes_on_its_route():
     more = (
         "commands: [{time: 6.0, hold: cart}]\n"
         "obstacles: {p: {x: [12.8, 13.3], y: [4, 6], z: [0, 1], there: [[6.5, 90.0]]}}\n"
@@ -208,7 +208,7 @@ def test_a_blocked_vehicle_plans_again_every_two_seconds():
 # Evading.
 
 
-def test_a_detour_leads_around_what_is_taken_and_takes_no_longer_than_allowed():
+def test_a_detour_leads_around_taken_areas_and_is_no_longer_than_allowed():
     vehicle, simulation = in_hall(2.0)
     wall = box(9.0, 2.0, 11.0, 10.0)
     vehicle.stand_for("test", True)
@@ -260,8 +260,8 @@ def test_only_a_vehicle_without_missions_makes_way():
     assert not busy.make_way([], courses)
     parked, _ = in_hall(1.0, keys="controller: parked")
     assert not parked.make_way([], courses)
-    held, _ = in_hall(1.0, keys="missions: []", more="commands: [{time: 0.5, hold: cart}]\n")
-    assert not held.make_way([], courses)
+    stopped, _ = in_hall(1.0, keys="missions: []", more="commands: [{time: 0.5, hold: cart}]\n")
+    assert not stopped.make_way([], courses)
     idle, simulation = in_hall(1.0, keys="missions: []")
     assert idle.may_leave and not parked.may_leave
     assert not idle.make_way([box(1.0, 3.0, 2.3, 7.0)], [box(0.0, 0.0, 20.0, 10.0)])
@@ -270,7 +270,7 @@ def test_only_a_vehicle_without_missions_makes_way():
     assert not idle.shape.footprint(idle.body.at, idle.position[2]).intersects(courses[0])
 
 
-def test_a_vehicle_that_has_done_its_missions_makes_way():
+def test_a_vehicle_that_has_completed_its_missions_makes_way():
     idle, _simulation = in_hall(20.0)
     assert idle.jobs_done == 1 and idle.make_way([], [box(16.0, 4.0, 20.0, 6.0)])
 
@@ -278,7 +278,7 @@ def test_a_vehicle_that_has_done_its_missions_makes_way():
 # Commands.
 
 
-def test_the_velocity_of_a_vehicle_is_that_of_its_frame():
+def test_the_velocity_of_a_vehicle_is_in_its_own_frame():
     vehicle, simulation = in_hall(keys="controller: parked, drive: holonomic", at="[3, 5, 0.7]")
     vehicle.twist((0.4, 0.2, 0.3), 5.0)
     simulation.advance(4.0)
@@ -312,7 +312,7 @@ def test_a_new_target_on_the_way_stops_first_and_the_same_one_drives_on():
     assert np.abs(motion.position(np.linspace(4.0, 5.0, 20))[:, 1] - 5.0).max() < 1e-9
 
 
-def test_a_preview_moves_nothing_and_is_what_a_move_does():
+def test_a_preview_equals_the_move_and_moves_nothing():
     vehicle, simulation = in_hall(keys="controller: parked")
     vehicle.move_to(18.0, 5.0, 1.0)
     simulation.advance(3.0)
@@ -343,7 +343,7 @@ SHAPE = CHASSIS.shape("cart")
 
 
 def slow_drive(zones, begin, to, limits=CHASSIS.limits, rotation=0.0):
-    """The motion from rest through slow zones, and its slow areas with their speeds."""
+    """Return the motion from rest through slow zones, and its slow areas with their speeds."""
     made = [
         floorplan.Zone(name=f"z{k}", area=area, max_speed=speed)
         for k, (area, speed) in enumerate(zones)
@@ -400,7 +400,7 @@ def test_a_drive_through_slow_zones_keeps_all_limits_and_loses_little_time(name)
     motion = slow_drive(zones, (2.0, 4.0), (28.0, 4.0))
     assert motion.position(motion.end) == pytest.approx((28.0, 4.0))
     check_limits(motion, zones)
-    # The time at the speeds of the zones, and of braking and of setting out.
+    # The time at the speeds of the zones, plus braking and acceleration.
     cuts = np.arange(2.0, 28.0, 1e-3) + 5e-4
     top = np.full(len(cuts), 1.5)
     swept = box(0, 3.6, 30, 4.4)
@@ -427,7 +427,7 @@ def test_zones_without_an_effect_leave_the_usual_drive():
 
 
 @pytest.mark.parametrize("rotation", [0.0, 0.5, math.pi / 2, math.pi])
-def test_slow_zones_are_of_the_footprint_however_it_is_turned(rotation):
+def test_slow_zones_apply_to_the_footprint_at_any_rotation(rotation):
     limits = VehicleLimits(side_speed=1.2)
     zones = [(box(12, 0, 14, 8), 0.3)]
     motion = slow_drive(zones, (2.0, 4.0), (28.0, 4.5), limits, rotation)
@@ -435,7 +435,7 @@ def test_slow_zones_are_of_the_footprint_however_it_is_turned(rotation):
     assert motion.position(motion.end) == pytest.approx((28.0, 4.5))
 
 
-def test_only_zones_with_a_limit_that_concern_the_vehicle_count():
+def test_only_zones_with_a_limit_for_the_vehicle_count():
     area = box(12, 0, 18, 8)
     zones = [
         floorplan.Zone(name="a", area=area, max_speed=0.4),

@@ -1,4 +1,4 @@
-"""The scenes of vehicles among people that come with Floorwalker."""
+"""The built-in scenes of vehicles among people."""
 
 import math
 
@@ -11,7 +11,7 @@ import sim
 
 
 def surfaces(run, person, machine, t):
-    """Distances between the surfaces of a person and a vehicle, sampled."""
+    """Return distances between the surfaces of a person and a vehicle, sampled."""
     shape = run.scene.machine(machine)
     walk, drive = run.motions[person], run.motions[machine]
     places = shapely.points(walk.position(t))
@@ -32,7 +32,7 @@ def surfaces(run, person, machine, t):
         pytest.param("vehicles_warehouse", marks=pytest.mark.slow),
     ],
 )
-def test_the_scenes_of_vehicles_are_as_expected(name):
+def test_the_scenes_of_vehicles_meet_their_expectations(name):
     run = sim.run(sim.Trial.load(name))
     assert run.unmet == []
     assert events(run, "field_stop") and events(run, "field_slowdown")

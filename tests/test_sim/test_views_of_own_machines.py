@@ -1,4 +1,4 @@
-"""A machine that the library does not know is drawn everywhere by its box and its course."""
+"""Every view draws a custom machine by its box and its course."""
 
 import io
 import json
@@ -54,7 +54,7 @@ def run():
     return Recorded(scene, 9.0, summary={}, events=events, motions=motions, violations=violations)
 
 
-def test_pictures_show_them(run):
+def test_pictures_show_custom_machines(run):
     pytest.importorskip("matplotlib")
 
     (axes,) = run.plot.trails().axes
@@ -68,7 +68,7 @@ def test_pictures_show_them(run):
     assert len(run.plot.space_time().axes[0].collections) == 3
 
 
-def test_the_replay_page_shows_them(run, browser, tmp_path):
+def test_the_replay_page_shows_custom_machines(run, browser, tmp_path):
     recording = json.loads(json.dumps(replay_data(run)))
     cart = next(body for body in recording["bodies"] if body["name"] == "cart")
     assert cart["category"] == "vehicle" and cart["course"] == [[2, 1], [8, 1], [8, 3]]
@@ -87,7 +87,7 @@ def test_the_replay_page_shows_them(run, browser, tmp_path):
 
 
 @pytest.mark.parametrize("ending", [".mcap", "", ".sqlite"])
-def test_exports_have_them(run, tmp_path, ending):
+def test_exports_contain_custom_machines(run, tmp_path, ending):
     if ending != ".sqlite":
         pytest.importorskip("foxglove" if ending else "rosbags")
         from sim.exports import scene as drawing

@@ -1,4 +1,4 @@
-"""What waits in simulated time: events of one instant, people who come in, tasks of a gantry."""
+"""Waiting in simulated time: events of one instant, people who arrive, tasks of a gantry."""
 
 import itertools
 import statistics
@@ -12,7 +12,7 @@ from sim.machines.tasks import Step, Task, Tasks
 from sim.people.person import LOOKS_AGAIN, Entrances
 
 
-def test_much_may_happen_at_once_and_time_goes_on():
+def test_many_events_may_happen_at_once_and_time_continues():
     clock = Clock(most=100)
     happened = []
     for t in range(50):
@@ -22,8 +22,8 @@ def test_much_may_happen_at_once_and_time_goes_on():
     assert len(happened) == 5000
 
 
-def test_only_the_first_of_a_queue_looks_for_room():
-    """Of 2,000 who wait, one is let in each second."""
+def test_only_the_first_person_of_a_queue_looks_for_room():
+    """Of 2,000 people in the queue, one enters in each second."""
     clock, looks, inside = Clock(most=100_000), [], []
     entrances = Entrances(clock)
 
@@ -42,8 +42,8 @@ def test_only_the_first_of_a_queue_looks_for_room():
     assert {t % LOOKS_AGAIN for t, _ in looks} == {0.0}
 
 
-def test_the_times_between_them_are_those_of_the_rate():
-    """As a Poisson process has them: exponential, from the seed alone."""
+def test_the_times_between_arrivals_follow_the_rate():
+    """They are those of a Poisson process: exponential, from the seed alone."""
     sources = [Source((1.0, 1.0), 0.5, stream="s", number=k) for k in range(1, 2001)]
     times = [source.time(7) for source in sources[::100]]
     assert times == sorted(times) and times != [source.time(8) for source in sources[::100]]
@@ -53,7 +53,7 @@ def test_the_times_between_them_are_those_of_the_rate():
 
 
 def test_the_time_of_an_arrival_depends_only_on_its_number():
-    """However many come, and in whatever order they are asked; each waits for those before."""
+    """It is independent of other arrivals and of the order of queries, and times are ordered."""
 
     def arrival(number):
         return Source("station1", 0.5, start=3.0, stream="visitor", number=number).time(7)
@@ -63,7 +63,7 @@ def test_the_time_of_an_arrival_depends_only_on_its_number():
     assert [arrival(k) for k in (1, 400)] == [arrivals[-1], arrivals[0]]
     gaps = [a - b for a, b in itertools.pairwise(arrivals)]
     assert statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)  # 1 / rate
-    assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.15)  # as an exponential has it
+    assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.15)  # exponential
 
 
 def task(name, stage=0, **more):
@@ -85,7 +85,7 @@ def test_a_later_stage_of_tasks_waits_for_the_one_before():
     assert names(tasks) == ["c"]
 
 
-def test_a_group_of_tasks_can_go_first():
+def test_a_group_of_tasks_can_be_first():
     tasks = Tasks(Clock(0.0))
     tasks.add([task("a")])
     tasks.add([task("urgent")], first=True)
@@ -102,18 +102,18 @@ def test_a_task_that_is_not_ready_is_passed_over():
     assert names(tasks) == ["a", "b"]
 
 
-def test_the_next_task_waits_for_what_is_to_come():
+def test_the_next_task_waits_for_later_tasks():
     clock = Clock(0.0)
     tasks = Tasks(clock)
     tasks.more_to_come = True
-    found = []
+    taken = []
 
     def take():
-        while (found_one := (yield tasks.next())) is not None:
-            found.append((clock.now, found_one.fields["name"]))
-            found_one.advance()
+        while (next_task := (yield tasks.next())) is not None:
+            taken.append((clock.now, next_task.fields["name"]))
+            next_task.advance()
             tasks.reconsider()
-        found.append((clock.now, None))
+        taken.append((clock.now, None))
 
     def bring():
         yield clock.timeout(3.0)
@@ -125,10 +125,10 @@ def test_the_next_task_waits_for_what_is_to_come():
     clock.process(take())
     clock.process(bring())
     clock.run()
-    assert found == [(3.0, "late"), (5.0, None)]
+    assert taken == [(3.0, "late"), (5.0, None)]
 
 
-def test_a_task_has_steps():
+def test_a_task_has_at_least_one_step():
     with pytest.raises(ValueError, match="at least one step"):
         Task("wait", [])
 
@@ -176,7 +176,7 @@ def test_an_error_of_a_process_is_raised_unless_another_process_handles_it():
         clock.run()
 
 
-def test_an_alarm_rings_once_at_the_last_time_that_was_set():
+def test_an_alarm_rings_once_at_the_last_time_set():
     clock, rung = Clock(), []
     alarm = Alarm(clock, lambda: rung.append(clock.now), Turn.MOTION_ENDS)
     for t in (1.0, 3.0, 2.0):

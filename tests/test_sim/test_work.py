@@ -1,4 +1,4 @@
-"""People at work: tasks, lists, schedules, shifts and breaks, and minds that decide about them."""
+"""People at work: tasks, lists, schedules, shifts and breaks, and agents that decide about them."""
 
 import pytest
 
@@ -72,14 +72,14 @@ work:
 """)
     )
     kinds = ("shift_began", "shift_ended", "task_done")
-    found = happened(run, *kinds)
-    assert found[0] == (600.0, "shift_began", "ann", None)
-    names = [task for _, kind, _, task in found if kind == "task_done"]
+    entries = happened(run, *kinds)
+    assert entries[0] == (600.0, "shift_began", "ann", None)
+    names = [task for _, kind, _, task in entries if kind == "task_done"]
     assert names.count("bench") == names.count("break") == 1
     times = {e["task"]: e for e in run.events if e["kind"] == "task_done"}
     assert times["break"]["t"] - times["break"]["took"] - times["break"]["waited"] == 840.0
-    assert found[-1][0] < 1080 + 25 + 30
-    # Only work counts; breaks do not, and throughput is per hour of the shift.
+    assert entries[-1][0] < 1080 + 25 + 30
+    # Only work counts, not breaks. Throughput is per hour of the shift.
     ann = run.summary["people"]["ann"]
     assert ann["tasks_done"] == len(names) - 1
     assert ann["throughput"] == pytest.approx(ann["tasks_done"] / 480 * 3600)
@@ -161,7 +161,7 @@ work:
     assert {e["task"]: round(e["took"], 6) for e in done} == {"usual": 5.0, "best": 5.0}
 
 
-def test_work_that_is_left_goes_on_where_it_was(tmp_path):
+def test_interrupted_work_continues_where_it_stopped(tmp_path):
     (tmp_path / "restless.asl").write_text("""\
 +human_start : offer(Id, _, S, _, _) <- take(Id); !walk_to(S); .wait(14000); stop_movement;
    .wait(5000); begin_task.
@@ -248,8 +248,8 @@ work:
     ]
 
 
-def test_times_of_day_are_written_as_seconds_and_shown_as_they_were_given(tmp_path):
-    given = trial("""\
+def test_times_of_day_are_written_as_seconds_and_shown_as_in_the_file(tmp_path):
+    shift = trial("""\
 duration: 20 min
 begins: 05:50
 people:
@@ -260,12 +260,12 @@ people:
     breaks: [06:04:30 canteen for 2 min]
 work: {line: [{at: press, duration: 25, every: 1.5 min}]}
 """)
-    assert given.duration == 1200 and given.work["line"].tasks[0].every == 90
-    assert given.people[0].shifts == ((600.0, 1080.0), (1100.0, 1100.5))
-    written = given.to_yaml(tmp_path)
+    assert shift.duration == 1200 and shift.work["line"].tasks[0].every == 90
+    assert shift.people[0].shifts == ((600.0, 1080.0), (1100.0, 1100.5))
+    written = shift.to_yaml(tmp_path)
     assert "06:0" not in written
-    assert sim.Trial.parse(written).people[0].shifts == given.people[0].shifts
-    sim.safety_report(sim.run(given), tmp_path / "report.html")
+    assert sim.Trial.parse(written).people[0].shifts == shift.people[0].shifts
+    sim.safety_report(sim.run(shift), tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
     assert "shift 06:00 – 06:08; shift 1,100 s – 1,100.5 s; break at 06:04:30" in page
 
@@ -303,7 +303,7 @@ def test_work_made_in_python_is_written_and_read_again():
 
 
 def test_a_shorter_trial_omits_later_entries(floorwalker, tmp_path):
-    """And moves that come again are those of its own duration."""
+    """Its repeated moves also end with it."""
     text = """\
 floorplan: warehouse
 duration: 3600

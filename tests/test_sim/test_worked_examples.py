@@ -1,4 +1,4 @@
-"""The examples from a drawing to a report: their files are sound, and the pages' commands run."""
+"""Worked examples: their files are sound, and the commands of their pages run."""
 
 import re
 import shutil
@@ -18,8 +18,8 @@ EXAMPLES = {"press_hall": "example-press-hall.md", "picking_hall": "example-pick
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_their_files_are_sound(name):
-    """A floor without notices, laws that count on long enough stops, and a source for them."""
+def test_files_of_worked_examples_are_sound(name):
+    """Floors have no notices, laws assume long enough stops, and speeds have a source."""
     folder = ROOT / "examples" / name
     trial = sim.Trial.load(folder / "shift.trial.yaml")
     assert trial.floorplan.notices == () and trial.sources["max_speed"]
@@ -30,7 +30,7 @@ def test_their_files_are_sound(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_the_commands_of_their_pages_run(name, floorwalker, tmp_path):
+def test_commands_of_worked_examples_run(name, floorwalker, tmp_path):
     folder = tmp_path / name
     shutil.copytree(ROOT / "examples" / name, folder)
     page = (ROOT / "docs" / EXAMPLES[name]).read_text(encoding="utf-8")

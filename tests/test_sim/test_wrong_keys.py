@@ -1,4 +1,4 @@
-"""What is wrong in a file is said with the line on which it stands."""
+"""Errors of wrong keys and values, with the lines of the files."""
 
 import pytest
 from small_floors import GANTRY, LANE, on_floor
@@ -111,7 +111,7 @@ def study(text, folder):
         *((study, VARIED, *one) for one in STUDIES.items()),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line(tmp_path, read, before, wrong, message):
+def test_a_wrong_key_or_value_is_reported_with_its_line(tmp_path, read, before, wrong, message):
     with pytest.raises(floorplan.InputError) as refused:
         read(f"{before}{wrong}\n", tmp_path)
     first = next(one for one in refused.value.problems if message in str(one))
@@ -175,13 +175,13 @@ def test_problems_are_in_the_order_of_their_lines():
         ),
     ],
 )
-def test_a_likely_slip_is_noticed(text, line, message):
-    told = sim.Trial.parse(text).notices
-    assert [notice.line for notice in told] == [line] * bool(message)
-    assert message in "".join(map(str, told))
+def test_a_likely_mistake_is_noticed(text, line, message):
+    reported = sim.Trial.parse(text).notices
+    assert [notice.line for notice in reported] == [line] * bool(message)
+    assert message in "".join(map(str, reported))
 
 
-def test_a_name_that_yaml_takes_for_a_flag_is_told():
+def test_a_name_that_yaml_reads_as_a_flag_is_reported():
     with pytest.raises(floorplan.FloorplanError, match=r"line 4, zones.*put them in quotes"):
         floorplan.parse(f"{ROOM}zones: {{no: {{x: [1, 2], y: [1, 2], max_speed: 1}}}}")
     with pytest.raises(sim.TrialError, match=r"people\[0\].name: .*put them in quotes"):

@@ -1,4 +1,4 @@
-"""AGVs that yield: they never come too close by their own doing, and get there in the end."""
+"""Yielding AGVs: they never come too close by their own motion, and arrive in the end."""
 
 import itertools
 import math
@@ -48,7 +48,7 @@ people = st.lists(
     st.tuples(starts, st.floats(0.3, 2.0), errands),
     min_size=1,
     max_size=3,
-    # No two in one place.
+    # No two people start in one place.
     unique_by=lambda person: (round(person[0][0]), round(person[0][1])),
 ).filter(
     lambda people: all(
@@ -102,7 +102,7 @@ def test_an_agv_that_yields_never_comes_too_close_while_it_moves(
 CROSSING = [((11.0, 1.0), 1.0, [(1.0, (11.0, 12.0))])]
 
 
-def test_an_agv_stops_for_somebody_who_crosses_and_drives_on(tmp_path):
+def test_an_agv_stops_for_a_crossing_person_and_drives_on(tmp_path):
     law = LAWS[0]
     moves = {"one": [(0.0, 13.0)]}
     careless = sim.run(trial(tmp_path, CROSSING, moves, law, yields=False))
@@ -117,14 +117,14 @@ def test_an_agv_stops_for_somebody_who_crosses_and_drives_on(tmp_path):
     agv = run.motions["one"]
     assert agv.state(second["t"] - 1e-6).speed == 0.0
     assert agv.position(60.0) == pytest.approx((16.0, 5.0))
-    # It brakes as hard as it can, and no harder.
+    # The AGV brakes with its maximum deceleration.
     at = agv.state(yielded["t"])
     stopped = yielded["t"] + at.speed / 2.0
     assert agv.state(stopped + 1e-9).speed == 0.0
     assert math.dist(agv.position(stopped), at.at) == pytest.approx(at.speed**2 / 4.0)
 
 
-def test_an_agv_that_yields_drives_as_any_other_where_nobody_is_near(tmp_path):
+def test_an_agv_that_yields_drives_as_any_other_if_no_person_is_near(tmp_path):
     far = [((1.0, 15.0), 1.0, [(0.0, (2.0, 15.0))])]
     moves = {"one": [(0.0, 12.0), (3.0, 4.0)]}
     runs = [sim.run(trial(tmp_path, far, moves, LAWS[4], yields)) for yields in (False, True)]
@@ -132,7 +132,7 @@ def test_an_agv_that_yields_drives_as_any_other_where_nobody_is_near(tmp_path):
     assert runs[0].motions["one"].pieces == runs[1].motions["one"].pieces
 
 
-def test_an_agv_waits_for_as_long_as_somebody_stands_there(tmp_path):
+def test_an_agv_waits_for_as_long_as_a_person_stands_in_its_way(tmp_path):
     standing = [((11.0, 6.0), 1.0, [(30.0, (29.0, 15.0))])]
     run = sim.run(trial(tmp_path, standing, {"one": [(0.0, 13.0)]}, LAWS[4]))
     assert events(run, "violation") == []
@@ -143,7 +143,7 @@ def test_an_agv_waits_for_as_long_as_somebody_stands_there(tmp_path):
     assert run.motions["one"].position(60.0) == pytest.approx((16.0, 5.0))
 
 
-def test_a_drive_to_somewhere_else_replaces_the_one_that_waits(tmp_path):
+def test_a_drive_to_another_place_replaces_the_waiting_one(tmp_path):
     standing = [((11.0, 6.0), 1.0, [(50.0, (29.0, 15.0))])]
     moves = {"one": [(0.0, 13.0), (20.0, 1.0)]}
     run = sim.run(trial(tmp_path, standing, moves, LAWS[4]))

@@ -1,4 +1,4 @@
-"""Waiting for what happens, and clocks that only a test moves."""
+"""Waiting for conditions, and clocks that only a test moves."""
 
 import asyncio
 import selectors
@@ -6,24 +6,24 @@ import threading
 import time
 
 HANG = 300.0
-"""Seconds. What takes longer hangs, however busy the machine is."""
+"""s. A longer wait is a hang, even on a busy machine."""
 
 
-def until(holds, process=None, told=lambda: ""):
-    """Wait until `holds` returns something, and return it.
+def until(holds, process=None, message=lambda: ""):
+    """Wait until `holds` returns a true value, and return it.
 
-    A `process` must run meanwhile. `told()` is the message of a failure.
+    A `process` must run meanwhile. `message()` is the message of a failure.
     """
     hangs_at = time.monotonic() + HANG
-    while not (found := holds()):
-        assert time.monotonic() < hangs_at, told()
-        assert process is None or process.poll() is None, told()
+    while not (result := holds()):
+        assert time.monotonic() < hangs_at, message()
+        assert process is None or process.poll() is None, message()
         time.sleep(0.01)
-    return found
+    return result
 
 
 class Hand:
-    """Real time (s) of a run that a test paces: it goes on in `move` alone."""
+    """Real time (s) of a run that a test paces. Only `move` advances it."""
 
     def __init__(self):
         self._time = 0.0
@@ -34,16 +34,16 @@ class Hand:
         return self._time
 
     def move(self, seconds):
-        """Let time go by, once the run has begun to look at it."""
+        """Advance the time once the run has read it."""
         assert self._is_looked_at.wait(HANG)
         self._time += seconds
 
 
 class HandLoop(asyncio.SelectorEventLoop):
-    """Event loop whose time (s) goes on in `move` alone, so that its timers wait for the test.
+    """Event loop whose time (s) only `move` advances, so that its timers wait for the test.
 
-    But for a nanosecond at each look, because a time that never changes at all keeps a rounding
-    error for ever.
+    Each reading also adds a nanosecond, because a constant time would keep a rounding error
+    forever.
     """
 
     def __init__(self):
@@ -57,7 +57,7 @@ class HandLoop(asyncio.SelectorEventLoop):
         return self._hand
 
     def move(self, seconds):
-        """Let time go by, and wait until everything that is due then is done."""
+        """Advance the time, and wait until everything due by then is done."""
         done = threading.Event()
         self._moves[:] = [done]
         self.call_soon_threadsafe(self._move, seconds, done)
@@ -74,7 +74,7 @@ class HandLoop(asyncio.SelectorEventLoop):
 
 
 class _Selector(selectors.DefaultSelector):
-    """Tells a loop that has nothing left to do, and lets it wait for messages alone."""
+    """Selector that reports an idle loop, and then waits only for messages."""
 
     def __init__(self, when_idle):
         super().__init__()

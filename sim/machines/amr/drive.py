@@ -366,7 +366,7 @@ class VehicleDrive(Drive):
     def _plan_with_less(
         self, start: Pose, target: tuple[float, ...], why: PlanningError
     ) -> VehiclePath:
-        """Return a path without people, or without vehicles that may leave. Else raise `why`."""
+        """Return a path around people, or without vehicles that may leave."""
         if self._people:
             self._people = {}
             self._look_around()

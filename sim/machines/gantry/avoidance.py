@@ -125,7 +125,7 @@ class CourseChoice:
     def refuge(self, people: Sequence[Sighting]) -> Pose:
         """Return the refuge on whose path people are farthest away.
 
-        It is the present pose if nobody comes into the zone there.
+        The present pose is free if no person comes into the zone there.
         """
         if not people:
             return self._gantry.position
@@ -171,7 +171,7 @@ class CourseChoice:
         places = [_expected(person, after) for person in people for after in (0.0, FORESIGHT)]
         goal, path, radius = self._path
         if goal == pose and path:
-            # Keep a clear path, so that the gantry does not alternate between two.
+            # Do not replace a clear path, so that the gantry does not alternate between two.
             here = self._gantry.position
             path = path[1:] if math.dist(here[:2], path[0][:2]) < REACH else path
             line = LineString([here[:2], *(point[:2] for point in (*path, pose))])

@@ -172,7 +172,7 @@ class Worksites:
         comes_by = self.comes_by(passing) if self._body.motion.end <= now else None
         if comes_by is not None and comes_by >= now + seconds:
             return self._body.state.position
-        # Keep a possible meeting, because a new one after each delay would never be reached.
+        # A possible meeting stays, because a new one after each delay would never be reached.
         part, meeting = self._rendezvous
         if part is not passing or self._ready(track, meeting, seconds, rotation) > meeting:
             meeting = max(track.start, now) + seconds + AHEAD

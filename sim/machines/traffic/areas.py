@@ -1,4 +1,4 @@
-"""Areas that a machine sweeps: unions of convex polygons that contain its footprint at all times.
+"""Areas that a machine sweeps: unions of convex polygons that always contain its footprint.
 
 A polygon contains the footprint in every pose between two samples. On a straight line, it is the
 hull of both ends. On a curve, samples are at most `TURN` apart, and corners are farther away by the

@@ -385,7 +385,7 @@ class Claimant:
         return state.aside if isinstance(state, GivingWay) else None
 
     def _to_let_pass(self, area: Area) -> list[Claimant]:
-        """Return the machines that it lets pass before it moves into an area."""
+        """Return the machines that pass before this one moves into an area."""
         self._forget_passed()
         if self._aside is not None:
             return []

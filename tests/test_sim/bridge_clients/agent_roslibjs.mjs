@@ -1,4 +1,4 @@
-// An agent on roslibjs: walks from station to station, and tells at the end what it heard.
+// Agent on roslibjs that walks from station to station, and prints the messages it received.
 // usage: node agent_roslibjs.mjs URL   (in a folder in which roslib is installed)
 import { pathToFileURL } from "node:url";
 

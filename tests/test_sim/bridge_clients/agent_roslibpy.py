@@ -1,4 +1,4 @@
-"""An agent on roslibpy: walks from station to station, and tells at the end what it heard.
+"""Agent on roslibpy that walks from station to station, and prints the messages it received.
 
 usage: python agent_roslibpy.py HOST PORT
 """

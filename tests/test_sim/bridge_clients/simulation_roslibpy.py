@@ -1,6 +1,6 @@
-"""Somebody else's simulation on roslibpy: a person who is at every goal at once.
+"""Independent simulation on roslibpy, with a person who reaches every goal at once.
 
-It starts the person, lets them arrive four times, and ends; then it tells where they were sent.
+The simulation starts the person, reports four arrivals and ends. It prints the goals.
 usage: python simulation_roslibpy.py HOST PORT
 """
 
@@ -41,7 +41,7 @@ while len(goals) <= ARRIVALS:
     sent.wait(1.0)
 phase.publish({"competition_state": 4})
 print(json.dumps(goals), flush=True)
-# What was published is sent by another thread; the server refuses a call once it has taken it.
+# Another thread sends published messages. The server rejects the call after receiving them.
 taken = threading.Event()
 roslibpy.Service(ros, "/nowhere", "std_srvs/Trigger").call(
     roslibpy.ServiceRequest(), lambda _: taken.set(), lambda _: taken.set()
