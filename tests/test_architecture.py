@@ -124,7 +124,7 @@ def test_no_files_import_each_other_in_a_circle(graph):
     assert circle == []
 
 
-def test_rooms_import_from_those_above_them(graph):
+def test_rooms_import_only_from_rooms_above_them(graph):
     level = {room: k for k, rooms in enumerate(ROOMS) for room in rooms}
     for module, others in graph.items():
         for other in others:
@@ -158,7 +158,7 @@ def test_imports_go_in_one_direction(package):
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_inner_modules_of_other_packages_are_those_of_the_list(package):
+def test_only_listed_inner_modules_are_imported_by_other_packages(package):
     for path in sources(package):
         for name, _, line in imports(path):
             top, _, inner = name.partition(".")

@@ -163,7 +163,7 @@ def callables_of(package):
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_types_of_everything_that_can_be_called_are_known(package):
+def test_types_of_all_callables_can_be_resolved(package):
     unknown = []
     for name, of in callables_of(package):
         try:
@@ -293,7 +293,7 @@ def completions(text):
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_names_of_the_reference_are_those_that_are_loaded(package):
+def test_names_of_the_reference_equal_the_loaded_ones(package):
     """Type checkers and the reference use `__all__` of the stub, and Python its imports."""
     module = importlib.import_module(package)
     stub = ast.parse(Path(module.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))

@@ -32,7 +32,7 @@ def contact_faults(run):
             before = max(t - HAIR, 0.0)
             walks, drives = (one.state(before).speed > STANDS for one in (person, agv))
             turned = agv.rotation([before, t])
-            if turned[0] != turned[1]:  # it turns on the spot, into a person beside it
+            if turned[0] != turned[1]:  # the vehicle turns on the spot, into a person beside it
                 continue
             if walks or not drives or yields(run.trial, vehicle.name):
                 yield f"{entry.name} touches {vehicle.name} at t = {t:.6f} s"

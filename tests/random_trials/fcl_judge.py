@@ -220,13 +220,13 @@ class _Barrier(NamedTuple):
     prisms: list
 
     def rejected(self, touch, chords, radius, begin):
-        """Return when chords first lead through it from `begin` (s) on, None if they never do."""
+        """Return when chords from `begin` (s) on first lead through the obstacle, or None."""
         near = chords.within(begin, self.end)
         hits = self._hits(touch, near, radius)
         return max(float(near.begin[min(hits)]), begin) if hits else None
 
     def left(self, touch, chords, radius, reach):
-        """Return the time (s) from which no person may touch it.
+        """Return the time (s) from which no person may touch the obstacle.
 
         A person who was inside when it came, or at most `reach` metres before it on the path,
         leaves it first.

@@ -514,7 +514,7 @@ class Sampled:
     def _idle(self, name, idle):
         """Yield a vehicle whose idle time differs from the time that it stands without a reason."""
         if self.of("contact", machine=name):
-            return  # it stands until its controller moves it
+            return  # the vehicle stands until its controller moves it
         spans = self._intervals("machine_waiting", "machine_proceeds", machine=name)
         for kind in ("field_stop", "protective_stop"):
             spans += self._intervals(kind, f"{kind}_ended", machine=name)

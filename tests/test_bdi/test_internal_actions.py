@@ -135,7 +135,7 @@ def test_the_formula_holds(formula):
         ("here(1)[seen|R] & X = R", "[]"),
     ],
 )
-def test_solutions_come_in_order(formula, solutions):
+def test_solutions_are_in_order(formula, solutions):
     assert said(f".findall(X, {formula}, L); .print(L)", "here(1). here(2).") == [solutions]
 
 

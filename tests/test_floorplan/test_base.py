@@ -79,7 +79,7 @@ def test_the_floor_is_turned_about_its_origin(lay):
     assert plan.lanes[0].position(1.0) == pytest.approx((-3.5, -1))
 
 
-def test_units_are_those_of_the_floor_on_top(lay):
+def test_units_of_the_floor_on_top_apply(lay):
     plan = lay("""\
         units: cm
         stations: {bench: [500, 500]}

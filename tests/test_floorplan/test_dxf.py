@@ -292,7 +292,7 @@ def test_a_hollow_group_of_open_lines_is_reported(drawing, lay):
     assert "is open; close it" in reported[1]
 
 
-def test_a_layer_that_matches_nothing(drawing, lay):
+def test_a_pattern_without_a_matching_layer_is_reported(drawing, lay):
     outline(drawing, HALL, "boundary")
     reported = problems(lay, "layers: {boundary: [boundary], walls: [A-WALL*]}")
     assert "walls: no layer of the drawing matches 'A-WALL*'; there are: boundary" in reported

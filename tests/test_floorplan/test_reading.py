@@ -106,7 +106,7 @@ def test_a_byte_order_mark_is_no_part_of_a_text(tmp_path):
     assert read_text(tmp_path / "questions.csv", InputError) == "x0,y0\n"
 
 
-def test_lines_come_one_by_one_and_a_torn_one_can_be_left_out(tmp_path):
+def test_lines_are_read_one_by_one_and_a_torn_one_can_be_omitted(tmp_path):
     path = tmp_path / "lines"
     path.write_bytes(b"one\n\ntwo\nthr\xc3")
     assert list(read_lines(path, InputError, torn=True)) == ["one", "", "two"]
@@ -132,7 +132,7 @@ def test_a_pipe_from_a_shell_is_read(tmp_path):
 @settings(max_examples=2 * settings.default.max_examples)
 @given(st.integers(0, 2**32), st.integers(1, 14), st.integers(1, 14), st.floats(0, 1))
 @example(11, 13, 11, 0.625)
-def test_outlines_hold_the_cells_that_are_set(seed, rows, columns, share):
+def test_outlines_contain_the_set_cells(seed, rows, columns, share):
     cells = np.random.default_rng(seed).random((rows, columns)) < share
     exact = trace(cells, 0.0)
     assert exact.is_valid

@@ -111,7 +111,7 @@ def test_every_run_goes_through_ompl(tmp_path, monkeypatch):
     assert queries[2:] == [og.BITstar]
 
 
-def test_samples_come_from_the_trials_seed(tmp_path):
+def test_samples_depend_on_the_seed_of_the_trial(tmp_path):
     planner = "{name: RRT, simplify: false}"
     assert walked(trial(tmp_path, planner)) == walked(trial(tmp_path, planner))
     assert walked(trial(tmp_path, planner)) != walked(trial(tmp_path, planner, seed=2**63 - 1))

@@ -81,7 +81,7 @@ def is_no_test(run_pytest, message):
     return result
 
 
-def test_a_trial_that_expects_something_is_a_test(pytester, run_pytest):
+def test_a_trial_with_expectations_is_a_test(pytester, run_pytest):
     write(
         pytester,
         good__trial__yaml=PASSES,
@@ -136,7 +136,7 @@ def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, message)
     assert "Traceback" not in result.stdout.str()
 
 
-def test_own_code_may_be_refused(pytester, run_pytest):
+def test_own_code_may_be_forbidden(pytester, run_pytest):
     own = PASSES.replace("expect", "gantry: {controller: 'refused:mine'}\nexpect")
     write(
         pytester, refused__py="def mine(gantry):\n    yield gantry.wait(5)\n", own__trial__yaml=own
@@ -406,7 +406,9 @@ def test_it(run_trial):
     assert len(list((pytester.path / "pages").iterdir())) == 1
 
 
-def test_a_failed_test_of_many_people_says_how_they_fared_and_names_the_first(pytester, run_pytest):
+def test_a_failed_test_of_many_people_reports_their_results_and_names_the_first(
+    pytester, run_pytest
+):
     write(
         pytester,
         crowd__trial__yaml="""
@@ -432,7 +434,7 @@ def test_the_example_project_passes_on_several_processes(pytester, run_pytest_al
     result.assert_outcomes(passed=12)
 
 
-def test_suites_without_trials_load_nothing(pytester, run_pytest_alone):
+def test_suites_without_trials_load_no_simulation(pytester, run_pytest_alone):
     write(
         pytester,
         notes__yaml="expect: x\n",

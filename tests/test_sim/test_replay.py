@@ -142,7 +142,7 @@ def test_the_page_loads_without_errors_or_requests(viewer):
     assert [url for url in viewer.requests if not url.startswith(("file:", "data:"))] == []
 
 
-def test_poses_are_those_of_the_motions(viewer, recording):
+def test_poses_equal_the_motions(viewer, recording):
     for name, pieces in recording["motions"].items():
         for t in [*INSTANTS, *(piece[0] for piece in pieces[:: len(pieces) // 12 + 1])]:
             shown = viewer.page.evaluate(
@@ -216,7 +216,7 @@ def test_a_stop_without_a_pause_ends_the_path_ahead(viewer):
     assert ahead[-1] == pytest.approx([1.0, 0.0])
 
 
-def test_separations_are_those_of_the_motions(viewer, recording):
+def test_separations_equal_the_motions(viewer, recording):
     motions = recording["motions"]
     for k, watch in enumerate(recording["watches"]):
         for t in INSTANTS:
@@ -232,7 +232,7 @@ def test_separations_are_those_of_the_motions(viewer, recording):
 
 
 @pytest.mark.parametrize("t", INSTANTS)
-def test_the_numbers_shown_are_those_of_the_instant(viewer, recording, t):
+def test_the_numbers_shown_are_those_of_the_current_time(viewer, recording, t):
     motions = recording["motions"]
     viewer.seek(t)
     distance, required = replay_sample.separation(
@@ -303,7 +303,7 @@ people: [{name: GUEST, source: {at: [1, 2], rate: 0.5, count: 4}, sink: [29, 2]}
 """.replace("GUEST", "guest" * 6)
 
 
-def test_people_with_long_names_who_come_and_go(open_page):
+def test_people_with_long_names_may_enter_and_leave(open_page):
     run = sim.run(sim.Trial.parse(CROWD, file="crowd.yaml"))
     viewer = open_page(replay.render(rounded(replay_data(run))))
     assert viewer.page.locator("#compare").bounding_box()["x"] < 1280
@@ -984,7 +984,7 @@ def test_an_almost_empty_floor(open_page):
     assert viewer.complaints == []
 
 
-def test_names_are_shown_as_they_are(open_page, recording):
+def test_names_are_shown_unchanged(open_page, recording):
     hostile = copy.deepcopy(recording)
     name = "<img src=x onerror=alert(1)>"
     hostile["title"] = name

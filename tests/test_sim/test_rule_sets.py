@@ -64,7 +64,7 @@ def test_the_person_is_also_sent_home_during_the_grace(tmp_path):
     assert [t["t"] for t in events(result, "teleport")] == [v["t"] for v in violations]
     assert len(events(result, "gantry_disabled")) == result.summary["penalties"]
     assert sum(end - begin for begin, end in result.violations["a", "gantry"]) < SAMPLE
-    assert result.summary["agv_teleports"] == 0  # those were with the gantry
+    assert result.summary["agv_teleports"] == 0  # both violations were with the gantry
 
 
 def test_a_violation_that_lasts_is_a_penalty_again_as_the_grace_ends():
@@ -100,7 +100,7 @@ def test_a_violation_that_lasts_is_reported_every_ten_seconds():
 
 
 @pytest.mark.parametrize("start", [0.0, 7.0])
-def test_nothing_is_noticed_for_twenty_seconds_after_the_start_and_after_a_teleport(start):
+def test_no_machine_is_noticed_for_twenty_seconds_after_the_start_and_after_a_teleport(start):
     people = f"[{{name: a, start: {{time: {start}}}, at: [-8.5, 0]}}]"
     result = run(parked("ariac2023", people, duration=200))
     early = [event["t"] for event in events(result, "gantry_detected") if event["t"] < start]
@@ -152,7 +152,7 @@ def test_a_violation_of_a_second_person_is_found_while_the_gantry_is_disabled(tm
     assert enabled == pytest.approx(second["t"] + 8.0)
 
 
-def test_the_antagonistic_person_goes_on_to_the_next_station_after_the_gantry():
+def test_the_antagonistic_person_continues_to_the_next_station_after_the_gantry():
     people = "[{name: a, personality: antagonistic}]"
     result = run(parked("observe", people, at="[-7.0, 0.0, 0.0]", duration=60))
     goals = [event["station"] for event in events(result, "goal")]
@@ -174,7 +174,7 @@ def test_after_an_agv_the_person_waits_as_long_as_after_the_gantry():
     assert onwards == pytest.approx(teleport + 8.0)
 
 
-# ---- observe, protective_stop, and what a violation does
+# ---- observe, protective_stop, and consequences of a violation
 
 
 @pytest.mark.parametrize("personality", ["antagonistic", "indifferent"])

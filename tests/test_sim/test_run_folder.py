@@ -67,7 +67,7 @@ def test_the_second_run_that_begins_in_one_folder_is_rejected(tmp_path):
     assert sim.load_run(tmp_path / "run").summary == run.summary
 
 
-def test_everything_comes_back(recorded):
+def test_a_recording_contains_the_whole_run(recorded):
     run, folder = recorded
     back = sim.load_run(folder)
     assert run.summary["penalties"] > 0
@@ -289,7 +289,7 @@ scaled = st.builds(Scaled, laws, terms, st.just(math.inf) | terms)
 
 @settings(max_examples=30)
 @given(st.sampled_from(floorplan.builtin()), laws, scaled, st.just(math.inf) | terms)
-def test_every_scene_comes_back(tmp_path_factory, floor, law, noticed, parting):
+def test_every_scene_is_read_back_unchanged(tmp_path_factory, floor, law, noticed, parting):
     notice = replace(sim.PAPER.notice, law=noticed, parting=parting, every=None)
     rules = replace(sim.PAPER, gantry_law=law, notice=notice)
     people = (Figure("ada", personality="inf", radius=0.3, height=1.7),)

@@ -223,7 +223,7 @@ def report_of(run, tmp_path, **keys):
     return (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_report_omits_the_warm_up_and_says_so(crowd, whole, tmp_path):
+def test_a_report_omits_the_warm_up_with_a_note(crowd, whole, tmp_path):
     run = crowd
     all_of_them, later = (incidents(after_warm_up(run, t)) for t in (0.0, 3.0))
     assert any(one.begin == 0.0 and one.person == "near" for one in all_of_them)

@@ -235,7 +235,7 @@ def test_person_alone_walks_straight_to_the_goal(tmp_path, steering):
 
 
 @pytest.mark.parametrize("steering", MODELS)
-def test_a_trial_of_people_who_cross_is_the_same_again(tmp_path, steering):
+def test_a_trial_of_crossing_people_is_repeatable(tmp_path, steering):
     crossing = trial(
         tmp_path,
         steering,

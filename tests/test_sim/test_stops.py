@@ -114,7 +114,8 @@ def test_agvs_yield_are_held_and_arrive():
     assert times.whom == {("people", "eve"): (1, times.stopped["people"])}
     assert times.stopped["people"] < 30 - yielded["t"] and not times.had_jobs
     stopped = times_of(run(people="[]", agvs=moves, commands=hold), "cart")
-    assert stopped.stopped["hold"] == pytest.approx(10 - 2.0, abs=0.01)  # it brakes from 1 m/s
+    # the vehicle brakes from 1 m/s
+    assert stopped.stopped["hold"] == pytest.approx(10 - 2.0, abs=0.01)
     assert {*stopped.stopped} == {"hold"} or stopped.stopped["nothing to do"] > 0
 
 

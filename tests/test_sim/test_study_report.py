@@ -104,7 +104,7 @@ def test_the_page_looks_right_on_a_phone(results, browser):
     assert messages == []
 
 
-def test_nothing_is_cut_off_on_a_screen(results, browser):
+def test_tables_and_charts_fit_on_a_screen(results, browser):
     """No table is wider than the page, and no mark of a chart is clipped."""
     page = browser.new_page(viewport={"width": 1300, "height": 900})
     page.goto((results.folder / "report.html").as_uri())

@@ -143,7 +143,7 @@ def test_a_vehicle_without_missions_makes_way():
 
 
 def test_a_second_evasion_works_too():
-    """The first one ends with a turn to the other side, so at another number of whole turns."""
+    """The first evasion ends with a turn to the other side, so at another number of whole turns."""
     text = f"floorplan:\n{textwrap.indent(HALL, '  ')}\nduration: 60\nmachines:\n  a: {{" + amr(
         "[2, 6, 0.0]", "[18, 6, 3.1]"
     )
@@ -221,7 +221,7 @@ machines:
 
 
 @pytest.mark.parametrize("jobs", ["[{move: [-12.0, 4.8, 0.0]}]", "[]"])
-def test_a_gantry_lets_another_pass(jobs):
+def test_a_gantry_gives_way_to_another(jobs):
     """Each wants the place of the other, or one has nothing to do."""
     finished = sim.run(sim.Trial.parse(ON_ONE_RAIL.format(jobs=jobs)))
     assert finished.summary["collisions"] == finished.summary["traffic_deadlocks"] == 0

@@ -266,7 +266,7 @@ def test_every_key_is_read_and_written(tmp_path):
     keys = {(form, key) for form, key in keys if key not in shape}
     elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
     elsewhere |= {(TrialKeys, "doors"), (DoorTimes, "closed"), (DoorTimes, "open")}
-    elsewhere.add((Muting, "zones"))
+    elsewhere |= {(Muting, "zones"), (sim.GantryEntry, "rate")}
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     elsewhere.add((RecordedTrack, "everybody"))  # its people are written
     elsewhere |= {(form, "count") for form, key in keys if key == "stream"}

@@ -85,7 +85,7 @@ def test_a_later_stage_of_tasks_waits_for_the_one_before():
     assert names(tasks) == ["c"]
 
 
-def test_a_group_of_tasks_can_go_first():
+def test_a_group_of_tasks_can_be_first():
     tasks = Tasks(Clock(0.0))
     tasks.add([task("a")])
     tasks.add([task("urgent")], first=True)
