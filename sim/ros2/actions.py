@@ -46,6 +46,11 @@ class Action:
             cancel_callback=self._cancel,
         )
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a goal has no result yet."""
+        return bool(self._running)
+
     def publish(self) -> None:
         """Publish feedback on all goals under way."""
         for handle, running in self._running.values():

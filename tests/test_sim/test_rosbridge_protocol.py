@@ -13,7 +13,7 @@ import floorplan
 from navigation import standing
 from navigation.motion import State
 from sim.bridge.client import MOST_REPLIES, Outbox, TopicQueue
-from sim.bridge.machine_topics import TrajectoryError, target_of, trajectory_motion
+from sim.bridge.machine_topics import trajectory_of
 from sim.bridge.messages import (
     JOINTS,
     MESSAGES,
@@ -24,7 +24,6 @@ from sim.bridge.messages import (
     joint_values,
     message_type,
     order_message,
-    pose_of,
 )
 from sim.bridge.protocol import (
     Account,
@@ -36,6 +35,7 @@ from sim.bridge.protocol import (
     decode,
     fragments,
 )
+from sim.cell.trajectories import TrajectoryError, motion_along, pose_of, target_in
 from sim.orders.workload import AssemblyTask, CombinedTask, KittingTask, Order, PartType
 
 JSON = st.recursive(
@@ -331,6 +331,11 @@ TOPIC = "/gantry_controller/joint_trajectory"
 
 
 def trajectory(*points, names=JOINTS):
+    """Return the trajectory of a message. See `message_of`."""
+    return trajectory_of(message_of(*points, names=names))
+
+
+def message_of(*points, names=JOINTS):
     """Return a message of points (time, positions) or (time, positions, velocities)."""
     written = []
     for t, positions, *velocities in points:
@@ -360,7 +365,7 @@ def test_a_trajectory_goes_through_its_points_at_their_times():
     message = trajectory(
         (4.0, (0.5, -0.5, 0.1), (0.2, -0.1, 0.0)), (8.0, (1.0, -0.7, 0.4), (0, 0, 0))
     )
-    motion = trajectory_motion(GANTRY, HOME, 10.0, message)
+    motion = motion_along(GANTRY, HOME, 10.0, message)
     assert (motion.start, motion.end) == (10.0, 18.0)
     middle = motion.state(14.0)
     assert middle.position == pytest.approx((-6.5, 0.5, 0.1))
@@ -371,21 +376,21 @@ def test_a_trajectory_goes_through_its_points_at_their_times():
 def test_joints_may_come_in_any_order_and_the_first_point_may_be_the_current_one():
     names = ("gantry_rotation_joint", "gantry_y_axis_joint", "gantry_x_axis_joint")
     message = trajectory((0.0, (0, 0, 0)), (5.0, (0.3, 0.2, 0.1)), names=names)
-    motion = trajectory_motion(GANTRY, HOME, 0.0, message)
+    motion = motion_along(GANTRY, HOME, 0.0, message)
     assert motion.state(5.0).position == pytest.approx((-6.9, -0.2, 0.3))
 
 
 def test_a_trajectory_without_velocities_passes_its_points_without_a_stop():
     message = trajectory((4.0, (1, 0, 0)), (8.0, (2, 0, 0)), (12.0, (3, 0, 0)), (18.0, (3, 1, 0)))
-    motion = trajectory_motion(GANTRY, HOME, 0.0, message)
+    motion = motion_along(GANTRY, HOME, 0.0, message)
     assert motion.velocity(4.0) == pytest.approx((0.25, 0.0))
     assert motion.velocity(12.0) == pytest.approx((0.0, 0.0))
 
 
 def test_one_point_without_a_time_is_just_a_target():
     message = trajectory((0.0, (1.0, -2.0, 0.5)))
-    assert target_of(GANTRY, message) == pytest.approx((-6.0, 2.0, 0.5))
-    assert target_of(GANTRY, trajectory((1.0, (1.0, -2.0, 0.5)))) is None
+    assert target_in(GANTRY, message) == pytest.approx((-6.0, 2.0, 0.5))
+    assert target_in(GANTRY, trajectory((1.0, (1.0, -2.0, 0.5)))) is None
 
 
 @pytest.mark.parametrize(
@@ -411,7 +416,7 @@ def test_one_point_without_a_time_is_just_a_target():
 )
 def test_a_trajectory_that_the_gantry_cannot_follow_is_rejected(message, words):
     with pytest.raises(TrajectoryError) as caught:
-        trajectory_motion(GANTRY, HOME, 0.0, message)
+        motion_along(GANTRY, HOME, 0.0, message)
     assert words in str(caught.value)
 
 
@@ -431,7 +436,7 @@ def test_an_accepted_trajectory_stays_within_the_limits_at_all_times(steps):
         t += duration
         points.append((round(t, 6), joints))
     try:
-        motion = trajectory_motion(GANTRY, HOME, 0.0, trajectory(*points))
+        motion = motion_along(GANTRY, HOME, 0.0, trajectory(*points))
     except TrajectoryError:
         assume(False)
     times = np.linspace(0.0, motion.end, 2000)
@@ -457,18 +462,18 @@ def test_an_external_controller_moves_the_gantry():
         client.send(op="advertise", topic=TOPIC, type="trajectory_msgs/JointTrajectory")
         client.subscribe("/joint_states", "/ariac/robot_health")
         client.message("/joint_states")
-        send(client, trajectory((6.0, (3.5, -0.5, 0.5), (0, 0, 0))))
+        send(client, message_of((6.0, (3.5, -0.5, 0.5), (0, 0, 0))))
         reached = client.hear_until(
             lambda heard: heard["topic"] == "/joint_states" and heard["msg"]["position"][0] == 3.5
         )
         assert reached["msg"]["position"] == pytest.approx([3.5, -0.5, 0.5])
-        send(client, trajectory((0.0, (-7.2, 6.5, 0.0))))
+        send(client, message_of((0.0, (-7.2, 6.5, 0.0))))
         client.hear_until(
             lambda heard: (
                 heard["topic"] == "/ariac/robot_health" and not heard["msg"]["ceiling_robot"]
             )
         )
-        send(client, trajectory((0.0, (0.0, 0.0, 0.0))))
+        send(client, message_of((0.0, (0.0, 0.0, 0.0))))
         assert client.error()["msg"] == "the gantry is disabled"
         run = session.join()
     assert run.summary["penalties"] >= 1
@@ -478,5 +483,5 @@ def test_an_external_controller_moves_the_gantry():
 
 def test_a_gantry_with_an_internal_controller_accepts_no_trajectories():
     with served(trial(), hold=True) as session, Client(session.url) as client:
-        send(client, trajectory((0.0, (0.0, 0.0, 0.0))))
+        send(client, message_of((0.0, (0.0, 0.0, 0.0))))
         assert "no topic is called" in client.error()["msg"]
