@@ -2,6 +2,7 @@
 
 import dataclasses
 import importlib
+import inspect
 import pkgutil
 import re
 import sys
@@ -124,7 +125,8 @@ people: [{", ".join(f"{{name: {p}, personality: {p}}}" for p in minds)}]
 gantry: {{jobs: [{{move: [-2.3, 3.0, 0.0]}}, {{pick: bin6, place: agv4}}]}}
 """
     )
-    gantry = replace(trial.gantry, controller=namespace[name])
+    rate = None if inspect.isgeneratorfunction(namespace[name]) else 5.0
+    gantry = replace(trial.gantry, controller=namespace[name], rate=rate)
     simulation = sim.Simulation(replace(trial, gantry=gantry))
     for t in range(8, 120, 13):
         simulation.clock.call_at(t, lambda: simulation.gantry.interrupt("person_close"))

@@ -125,10 +125,8 @@ def program(path):
         program,
         act=lambda action: bool(str(action)),
         print=lambda line: None,
-        on_event=lambda entry: None,
         society=bdi.Society(),
-        max_cycles=2000,
-        max_goals=3000,
+        settings=bdi.AgentSettings(on_event=lambda entry: None, max_cycles=2000, max_goals=3000),
     )
     agent.advance(0.0)
     agent.add_percept("human_start")

@@ -214,7 +214,7 @@ def test_a_custom_generator_gives_the_same_commands_as_for_a_gantry(beside):
     [
         ("wild", "'steer:wild' failed at t = 0 s.*a twist must be finite"),
         ("hasty", "'steer:hasty' failed at t = 0 s.*9 m/s is faster than speed, 1.5 m/s"),
-        ("by_hand", "is no function that returns a twist.*omit rate for a generator"),
+        ("by_hand", "is no function that returns a command.*omit rate for a generator"),
     ],
 )
 def test_an_invalid_twist_ends_the_run(beside, name, message):
