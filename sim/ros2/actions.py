@@ -54,6 +54,8 @@ class Action:
     def publish(self) -> None:
         """Publish feedback on all goals under way."""
         for handle, running in self._running.values():
+            if running.ended:  # its result is sent soon
+                continue
             feedback = self._type.Feedback()
             self._fill(feedback, running)
             handle.publish_feedback(feedback)

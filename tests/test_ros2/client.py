@@ -111,6 +111,7 @@ def navigate(name, x, y, heading=0.0, cancel_after=None):
     if feedback:
         at = feedback[-1].current_pose.pose.position
         answer["distances"] = [one.distance_remaining for one in feedback]
+        answer["times"] = [one.estimated_time_remaining.sec for one in feedback]
         answer["end"] = [at.x, at.y]
     return answer
 

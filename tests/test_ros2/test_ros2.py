@@ -64,6 +64,7 @@ def test_navigate_to_pose_leads_to_the_goal(ros, name, to):
         answer = ros.client("navigate", name=name, x=to[0], y=to[1], heading=1.5)
     assert answer["status"] == "succeeded"
     assert answer["distances"][-1] < answer["distances"][0]
+    assert max(answer["times"]) > 1 and answer["times"][-1] <= 1
     assert math.dist(answer["end"], to) < 1.0
 
 
