@@ -102,12 +102,12 @@ def jam(name: str, draw: int) -> sim.Trial:
     chance = random.Random(draw)
 
     def places() -> list[Point]:
-        found: list[Point] = []
-        while len(found) < count:
+        points: list[Point] = []
+        while len(points) < count:
             at = (chance.uniform(low_x, high_x), chance.uniform(low_y, high_y))
-            if all(math.dist(at, other) > 0.65 for other in found):
-                found.append(at)
-        return found
+            if all(math.dist(at, other) > 0.65 for other in points):
+                points.append(at)
+        return points
 
     def mirrored(places: Sequence[Point]) -> list[Point]:
         return [(length - x, y) for x, y in places]
@@ -139,40 +139,40 @@ def measured(crowds: int, draws: int) -> dict[str, float]:
     """Run all trials, and return what came of them."""
     from sim.people.crowd.crowd import Crowd
 
-    found = dict.fromkeys(("lost", "legs", "overlaps", "decisions"), 0.0)
-    found |= {"late_crowds": 0.0, "late_jams": 0.0, "cpu": 0.0}
+    results = dict.fromkeys(("lost", "legs", "overlaps", "decisions"), 0.0)
+    results |= {"late_crowds": 0.0, "late_jams": 0.0, "cpu": 0.0}
     decide: Callable[..., None] = Crowd.decide
 
-    def counted(*given: object) -> None:
-        found["decisions"] += 1
-        decide(*given)
+    def counted(*arguments: object) -> None:
+        results["decisions"] += 1
+        decide(*arguments)
 
     Crowd.decide = counted  # type: ignore[method-assign]
-    for kind, given in trials(crowds, draws):
+    for kind, trial in trials(crowds, draws):
         begin = time.process_time()
-        run = sim.run(given)
-        found["cpu"] += time.process_time() - begin
+        run = sim.run(trial)
+        results["cpu"] += time.process_time() - begin
         people = run.summary["people"].values()
-        found["overlaps"] += run.summary["overlaps"]
+        results["overlaps"] += run.summary["overlaps"]
         if kind == "patrol":
-            found["legs"] += sum(len(one["visits"]) for one in people) / draws
+            results["legs"] += sum(len(one["visits"]) for one in people) / draws
         else:
             left = dict.fromkeys(run.summary["people"], 2)
             for event in run.events:
                 if event["kind"] == "arrived":
                     left[event["person"]] -= 1
-            found[f"late_{kind}"] += sum(legs > 0 for legs in left.values())
+            results[f"late_{kind}"] += sum(legs > 0 for legs in left.values())
         if kind == "crowds":
-            found["lost"] += sum(one["time_lost_to_others"] for one in people)
-    return found
+            results["lost"] += sum(one["time_lost_to_others"] for one in people)
+    return results
 
 
 def without(rule: str, crowds: int, draws: int) -> dict[str, float]:
     """Return what comes of all trials without a rule, in another process."""
-    given = [sys.executable, __file__, "--crowds", str(crowds), "--draws", str(draws)]
-    done = subprocess.run([*given, "--measure", rule], stdout=subprocess.PIPE, check=True)
-    found: dict[str, float] = json.loads(done.stdout)
-    return found
+    command = [sys.executable, __file__, "--crowds", str(crowds), "--draws", str(draws)]
+    done = subprocess.run([*command, "--measure", rule], stdout=subprocess.PIPE, check=True)
+    results: dict[str, float] = json.loads(done.stdout)
+    return results
 
 
 def main() -> None:
@@ -182,24 +182,24 @@ def main() -> None:
     parser.add_argument("--draws", type=int, default=3, help="patrols, and draws of each jam")
     parser.add_argument("--only", nargs="+", choices=CASES, default=[*CASES])
     parser.add_argument("--measure", choices=CASES, help=argparse.SUPPRESS)
-    asked = parser.parse_args()
-    if asked.measure:
-        changed = replace(parameters.PARAMETERS, **CASES[asked.measure])
+    options = parser.parse_args()
+    if options.measure:
+        changed = replace(parameters.PARAMETERS, **CASES[options.measure])
         parameters.PARAMETERS = changed  # type: ignore[misc]
-        print(json.dumps(measured(asked.crowds, asked.draws)))
+        print(json.dumps(measured(options.crowds, options.draws)))
         return
     print("| rule off | time lost | late | legs | late in jams | decisions | CPU | overlaps |")
     print("|---|---|---|---|---|---|---|---|")
     base: dict[str, float] = {}
-    for rule in dict.fromkeys(("none", *asked.only)):
-        found = without(rule, asked.crowds, asked.draws)
-        base = base or found
-        change = {key: found[key] / base[key] - 1 for key in ("lost", "decisions", "cpu")}
-        lost = f"{found['lost']:,.0f} s" if rule == "none" else f"{change['lost']:+.0%}"
+    for rule in dict.fromkeys(("none", *options.only)):
+        results = without(rule, options.crowds, options.draws)
+        base = base or results
+        change = {key: results[key] / base[key] - 1 for key in ("lost", "decisions", "cpu")}
+        lost = f"{results['lost']:,.0f} s" if rule == "none" else f"{change['lost']:+.0%}"
         print(
-            f"| {rule} | {lost} | {found['late_crowds']:.0f} | {found['legs']:.0f} "
-            f"| {found['late_jams']:.0f} | {change['decisions']:+.0%} | {change['cpu']:+.0%} "
-            f"| {found['overlaps']:.0f} |",
+            f"| {rule} | {lost} | {results['late_crowds']:.0f} | {results['legs']:.0f} "
+            f"| {results['late_jams']:.0f} | {change['decisions']:+.0%} | {change['cpu']:+.0%} "
+            f"| {results['overlaps']:.0f} |",
             flush=True,
         )
 

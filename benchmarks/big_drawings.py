@@ -134,13 +134,13 @@ def main() -> None:
     parser.add_argument("--entities", type=int, nargs="+", default=[20_000])
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--one", type=Path, help=argparse.SUPPRESS)
-    given = parser.parse_args()
-    if given.one:
-        measure(given.one)
+    options = parser.parse_args()
+    if options.one:
+        measure(options.one)
         return
     print("| entities | obstacles | load, s | load again, s |")
     print("|---|---|---|---|")
-    for count in given.entities:
+    for count in options.entities:
         with tempfile.TemporaryDirectory() as folder:
             draw(Path(folder, "hall.dxf"), count)
             floor = Path(folder, "hall.yaml")
@@ -148,7 +148,7 @@ def main() -> None:
             again = [sys.executable, __file__, "--one", str(floor)]
             runs = [
                 [float(figure) for figure in subprocess.check_output(again, text=True).split()]
-                for _ in range(given.runs)
+                for _ in range(options.runs)
             ]
             median = [statistics.median(column) for column in zip(*runs, strict=True)]
             seconds = " | ".join(f"{figure:.2f}" for figure in median[1:])

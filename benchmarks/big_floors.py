@@ -80,17 +80,17 @@ def measure(count: int, spacing: float, queries: int) -> None:
         at = (rng.uniform(0, side), rng.uniform(0, side))
         if world.free(at, RADIUS + 1e-3):
             places.append(at)
-    asked = list(zip(places[::2], places[1::2], strict=True))
-    ways = [timed(lambda a=a, b=b: planner.plan(a, b))[0] for a, b in asked]
+    questions = list(zip(places[::2], places[1::2], strict=True))
+    ways = [timed(lambda a=a, b=b: planner.plan(a, b))[0] for a, b in questions]
     sampled = [
-        timed(lambda a=a, b=b: planner.plan(a, b, planner="RRTConnect"))[0] for a, b in asked
+        timed(lambda a=a, b=b: planner.plan(a, b, planner="RRTConnect"))[0] for a, b in questions
     ]
     figures = [load, build, prepare, ways[0], statistics.median(ways), max(ways)]
-    figures += [statistics.median(sampled), *peer(world, asked)]
+    figures += [statistics.median(sampled), *peer(world, questions)]
     print(" | ".join(f"{figure:.6f}" for figure in figures))
 
 
-def peer(world: CollisionWorld, asked: list[Any]) -> tuple[float, float]:
+def peer(world: CollisionWorld, questions: list[Any]) -> tuple[float, float]:
     """Seconds that JuPedSim takes to load a floor, and for a path. NaN without JuPedSim."""
     from navigation.benchmark import PEERS
 
@@ -99,7 +99,7 @@ def peer(world: CollisionWorld, asked: list[Any]) -> tuple[float, float]:
     if corners > MOST_CORNERS or not jupedsim.installed:
         return math.nan, math.nan
     look, search = timed(lambda: jupedsim.prepare(world, RADIUS))
-    return look, statistics.median(timed(lambda a=a, b=b: search(a, b))[0] for a, b in asked)
+    return look, statistics.median(timed(lambda a=a, b=b: search(a, b))[0] for a, b in questions)
 
 
 def draw(file: str, counts: list[int], rows: list[list[float]]) -> None:
@@ -128,22 +128,22 @@ def main() -> None:
     parser.add_argument("--queries", type=int, default=20)
     parser.add_argument("--plot", metavar="FILE")
     parser.add_argument("--one", nargs=2, help=argparse.SUPPRESS)
-    given = parser.parse_args()
-    if given.one:
-        measure(int(given.one[0]), float(given.one[1]), given.queries)
+    options = parser.parse_args()
+    if options.one:
+        measure(int(options.one[0]), float(options.one[1]), options.queries)
         return
     print(f"| obstacles | | {' | '.join(COLUMNS)} |")
     print("|---|---" + "|---" * len(COLUMNS) + "|")
     drawn = []
-    for count in given.obstacles:
+    for count in options.obstacles:
         for title, spacing in SPACINGS.items():
-            again = [sys.executable, __file__, "--queries", str(given.queries)]
+            again = [sys.executable, __file__, "--queries", str(options.queries)]
             again += ["--one", str(count), str(spacing)]
-            found = subprocess.run(again, capture_output=True, text=True, check=True).stdout
-            print(f"| {count:,} | {title} | {found.strip()} |", flush=True)
-        drawn.append([float(figure) for figure in found.split("|")])
-    if given.plot:
-        draw(given.plot, given.obstacles, drawn)
+            row = subprocess.run(again, capture_output=True, text=True, check=True).stdout
+            print(f"| {count:,} | {title} | {row.strip()} |", flush=True)
+        drawn.append([float(figure) for figure in row.split("|")])
+    if options.plot:
+        draw(options.plot, options.obstacles, drawn)
 
 
 if __name__ == "__main__":

@@ -34,10 +34,10 @@ MEASURES: dict[str, Callable[[Row], float]] = {
 
 def interval(values: Sequence[float]) -> tuple[float, float]:
     """The 95 % confidence interval of the mean, as in the report of a study."""
-    found = spread(np.array(values))
-    if found is None:
+    limits = spread(np.array(values))
+    if limits is None:
         raise ValueError("there are no rows of this pair")
-    return found.low, found.high
+    return limits.low, limits.high
 
 
 def chosen(rows: Sequence[Row], personality: str, controller: str) -> list[Row]:

@@ -129,7 +129,7 @@ def jupedsims(scene: Scene) -> pedpy.TrajectoryData:
     somewhere = next(iter(journeys.values()))  # for standing people, because JuPedSim needs a goal
     waiting = dict(enumerate(scene.walkers))
     numbers: dict[int, int] = {}
-    seen: dict[int, list[tuple[int, Point]]] = {k: [] for k in waiting}
+    frames: dict[int, list[tuple[int, Point]]] = {k: [] for k in waiting}
     for step in range(round(scene.duration / STEP) + 1):
         now = step * STEP
         for k, one in list(waiting.items()):
@@ -154,14 +154,14 @@ def jupedsims(scene: Scene) -> pedpy.TrajectoryData:
                 agent.model.desired_speed = one.speed
             if step % round(1 / RATE / STEP) == 0:
                 frame = round(now * RATE)
-                seen[numbers[agent.id]].append((frame, agent.position))
+                frames[numbers[agent.id]].append((frame, agent.position))
         if not waiting and world.agent_count() == 0:
             break
         world.iterate()
     return _data(
         [
             _frames(k, np.array([f for f, _ in rows]), np.array([at for _, at in rows]))
-            for k, rows in seen.items()
+            for k, rows in frames.items()
             if rows
         ]
     )

@@ -304,7 +304,7 @@ def rimea_4(walk: Program) -> Iterator[Found]:
     floor, length = rectangle(60.0, 4.0), 36.0
     area = pedpy.MeasurementArea([(18.0, 1.0), (20.0, 1.0), (20.0, 3.0), (18.0, 3.0)])
     for density in DENSITIES:
-        found = []
+        results = []
         for seed in STARTS:
             starts = strewn((0.3, 0.25), (length, 3.75), round(density * length * 4.0), seed)
             speeds = drawn(len(starts))
@@ -322,13 +322,13 @@ def rimea_4(walk: Program) -> Iterator[Found]:
                 traj_data=data, individual_speed=individual, measurement_area=area
             )
             steady = slice(3 * RATE, None)
-            found.append(
+            results.append(
                 Found(
                     float(dense["density"].to_numpy()[steady].mean()),
                     float(np.nanmean(speed["speed"].to_numpy()[steady])),
                 )
             )
-        yield Found(*(statistics.mean(column) for column in zip(*found, strict=True)))
+        yield Found(*(statistics.mean(column) for column in zip(*results, strict=True)))
 
 
 def lanes(walk: Program, rate: float) -> tuple[float, float]:
@@ -341,8 +341,8 @@ def lanes(walk: Program, rate: float) -> tuple[float, float]:
     figure is what it would be if as many people were anywhere across the corridor. Means of
     several draws of when they come in.
     """
-    found = [_lanes(walk, rate, seed) for seed in STARTS]
-    return statistics.mean(one for one, _ in found), statistics.mean(one for _, one in found)
+    orders = [_lanes(walk, rate, seed) for seed in STARTS]
+    return statistics.mean(one for one, _ in orders), statistics.mean(one for _, one in orders)
 
 
 def _lanes(walk: Program, rate: float, seed: int) -> tuple[float, float]:
@@ -451,19 +451,19 @@ def draw(ours: Diagrams, theirs: Diagrams, path: Path) -> None:
     halls.set(xlabel="time (s)", ylabel="people in the hall")
     rooms.set(ylabel="greatest density (1/m²)", xticks=(0, 1), xlim=(-0.5, 1.5))
     rooms.set_xticklabels(["before the\ncorridor", "before the\nway out"])
-    for k, (name, color, found) in enumerate(
+    for k, (name, color, data) in enumerate(
         (("Floorwalker", BLUE, ours), ("JuPedSim", VERMILION, theirs))
     ):
         marks = {"color": color, "marker": "os"[k], "linestyle": "", "label": name}
         marks |= {"markersize": 4 + 2 * k, "markerfacecolor": "none" if k else color}
-        for axes, points in ((file, found.files), (full, found.full), (opening, found.openings)):
+        for axes, points in ((file, data.files), (full, data.full), (opening, data.openings)):
             axes.plot(*zip(*points, strict=True), **marks)
-        parted.plot(inflow, [one for one, _ in found.lanes], **marks)
-        for times, style, doors in ((found.four, "-", "four doors"), (found.two, "--", "two")):
+        parted.plot(inflow, [one for one, _ in data.lanes], **marks)
+        for times, style, doors in ((data.four, "-", "four doors"), (data.two, "--", "two")):
             gone = np.sort(times[np.isfinite(times)])[:: max(len(times) // 60, 1)]
             left = len(times) - np.searchsorted(np.sort(times), gone, side="right")
             halls.plot(gone, left, style, color=color, label=f"{name}, {doors}")
-        rooms.bar(np.arange(2) + 0.3 * k - 0.15, found.rooms[:2], 0.28, color=color, label=name)
+        rooms.bar(np.arange(2) + 0.3 * k - 0.15, data.rooms[:2], 0.28, color=color, label=name)
     for axes in (file, full, opening, parted, halls, rooms):
         axes.legend(loc="best", frameon=False, fontsize=6)
         axes.grid(color=GREY, alpha=0.2, linewidth=0.5)
@@ -476,9 +476,7 @@ def diagram_rows(ours: Diagrams, theirs: Diagrams) -> Iterator[str]:
     def row(
         scene: str, published: str, figures: Callable[[Diagrams], Sequence[float]], digits: int = 2
     ) -> str:
-        cells = [
-            ", ".join(f"{one:.{digits}f}" for one in figures(found)) for found in (ours, theirs)
-        ]
+        cells = [", ".join(f"{one:.{digits}f}" for one in figures(data)) for data in (ours, theirs)]
         return _line(scene, published, *cells)
 
     speeds, widths, rates = (
@@ -530,9 +528,9 @@ def published(people: int, plot: Path) -> str:
     lines = [_line("scene", "literature", "Floorwalker", "JuPedSim"), "|---|---|---|---|"]
     for scene, figure, measure in ROWS:
         lines.append(_line(scene, figure, measure(floorwalker), measure(jupedsims)))
-    found = measured(floorwalker, people), measured(jupedsims, people)
-    draw(*found, plot)
-    return "\n".join([*lines, *diagram_rows(*found)])
+    both = measured(floorwalker, people), measured(jupedsims, people)
+    draw(*both, plot)
+    return "\n".join([*lines, *diagram_rows(*both)])
 
 
 def main() -> None:
@@ -540,9 +538,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--plot", type=Path, default=Path("docs/images/literature.svg"))
     parser.add_argument("--people", type=int, default=1000, help="in the hall of RiMEA 9")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     begin = time.process_time()
-    print(published(asked.people, asked.plot))
+    print(published(options.people, options.plot))
     print(f"{time.process_time() - begin:.0f} s of CPU")
 
 

@@ -56,7 +56,7 @@ def sampled_arrays(person: Motion, machine: Motion) -> list[tuple[float, float]]
 
 def sampled_loop(person: Motion, machine: Motion) -> list[tuple[float, float]]:
     """The same in a plain loop, one state after another."""
-    found: list[tuple[float, float]] = []
+    violations: list[tuple[float, float]] = []
     since: float | None = None
     t = 0.0
     for k in range(int(SPAN * 1000) + 1):
@@ -66,9 +66,9 @@ def sampled_loop(person: Motion, machine: Motion) -> list[tuple[float, float]]:
         if close and since is None:
             since = t
         elif not close and since is not None:
-            found.append((since, t))
+            violations.append((since, t))
             since = None
-    return found if since is None else [*found, (since, t)]
+    return violations if since is None else [*violations, (since, t)]
 
 
 def milliseconds(job: Callable[[], object], repetitions: int) -> tuple[float, float]:
@@ -126,10 +126,10 @@ def main() -> None:
         min((a - begin for a, b in sampled if a <= end and begin <= b), default=None)
         for begin, end in exact
     ]
-    seen = [lag for lag in late if lag is not None]
+    lags = [lag for lag in late if lag is not None]
     print(
-        f"{len(exact)} violations; sampling misses {len(exact) - len(seen)}"
-        f" and is up to {max(seen, default=0.0) * 1e3:.2f} ms late"
+        f"{len(exact)} violations; sampling misses {len(exact) - len(lags)}"
+        f" and is up to {max(lags, default=0.0) * 1e3:.2f} ms late"
     )
 
 

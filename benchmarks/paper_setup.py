@@ -31,7 +31,7 @@ PROC = Path("/proc")
 
 def processes() -> dict[int, tuple[int, float]]:
     """Return the parent of every process, and its CPU seconds with those of ended children."""
-    found = {}
+    by_pid = {}
     for folder in PROC.iterdir():
         if not folder.name.isdecimal():
             continue
@@ -40,17 +40,17 @@ def processes() -> dict[int, tuple[int, float]]:
         except OSError:  # it has just ended
             continue
         fields = stat.rpartition(")")[2].split()
-        found[int(folder.name)] = (int(fields[1]), sum(map(int, fields[11:15])) / TICK)
-    return found
+        by_pid[int(folder.name)] = (int(fields[1]), sum(map(int, fields[11:15])) / TICK)
+    return by_pid
 
 
 def cpu_of(root: int) -> float:
     """Return the CPU seconds of a process and its descendants."""
-    known = processes()
-    family = [root] if root in known else []
+    by_pid = processes()
+    family = [root] if root in by_pid else []
     for member in family:
-        family += [pid for pid, (parent, _) in known.items() if parent == member]
-    return sum(known[pid][1] for pid in family)
+        family += [pid for pid, (parent, _) in by_pid.items() if parent == member]
+    return sum(by_pid[pid][1] for pid in family)
 
 
 def bridge(*arguments: str, folder: str, **streams: object) -> subprocess.Popen[str]:

@@ -20,10 +20,12 @@ from navigation import CollisionWorld, PathPlanner, PlanningError
 from navigation.benchmark import Question, drawn_questions
 
 
-def milliseconds(planner: PathPlanner, asked: list[Question], moved: bool) -> list[float]:
+def milliseconds(planner: PathPlanner, questions: list[Question], moved: bool) -> list[float]:
     """Return CPU milliseconds for each question, in turn one of each placement of the AGVs."""
     taken = []
-    placements = [list(group) for _, group in itertools.groupby(asked, key=lambda one: one.agvs)]
+    placements = [
+        list(group) for _, group in itertools.groupby(questions, key=lambda one: one.agvs)
+    ]
     turns = itertools.chain(*itertools.zip_longest(*placements))
     for question in filter(None, turns):
         for name, at in question.agvs if moved else ():
@@ -46,11 +48,11 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     plan = floorplan.load(options.floorplan)
-    asked = [*drawn_questions(plan, queries=options.queries, seed=0, radius=options.radius)]
+    questions = [*drawn_questions(plan, queries=options.queries, seed=0, radius=options.radius)]
     for moved in (False, True) if plan.lanes else (False,):
         planner = PathPlanner(CollisionWorld(plan), options.radius)
         planner.prepare()
-        rounds = [milliseconds(planner, asked, moved) for _ in range(options.rounds)]
+        rounds = [milliseconds(planner, questions, moved) for _ in range(options.rounds)]
         median, high = np.percentile(np.median(rounds, axis=0), [50, 99])
         how = ", AGVs moved before each" if moved else ", AGVs where they start" * bool(plan.lanes)
         print(f"{plan.name}{how}: median {median:.2f} ms, 99 % {high:.2f} ms")

@@ -45,13 +45,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--runs", type=int, default=9)
     parser.add_argument("--people", type=int, default=5)
-    given = parser.parse_args()
+    options = parser.parse_args()
     trials = {
-        name: sim.Trial.parse(FLOOR.format(keys=keys, times=times, people=given.people))
+        name: sim.Trial.parse(FLOOR.format(keys=keys, times=times, people=options.people))
         for name, (keys, times) in CASES.items()
     }
     took: dict[str, list[float]] = {name: [] for name in trials}
-    for _ in range(given.runs + 1):
+    for _ in range(options.runs + 1):
         for name, trial in trials.items():
             begin = time.process_time()
             sim.run(trial)

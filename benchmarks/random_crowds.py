@@ -105,18 +105,18 @@ def places(
 ) -> list[Point]:
     """Return this number of free places apart from each other, connected by paths."""
     west, south, east, north = world.plan.boundary.bounds
-    space, found = world.free_space(radius), list[Point]()
+    space, points = world.free_space(radius), list[Point]()
     largest = max(space.pieces, key=lambda piece: piece.area).representative_point()
     middle = (largest.x, largest.y)
-    while len(found) < count:
+    while len(points) < count:
         at = (round(chance.uniform(west, east), 3), round(chance.uniform(south, north), 3))
         if (
             world.free(at, radius + 0.01)
             and space.together(at, middle)
-            and all(math.dist(at, other) > 2 * radius + APART for other in found)
+            and all(math.dist(at, other) > 2 * radius + APART for other in points)
         ):
-            found.append(at)
-    return found
+            points.append(at)
+    return points
 
 
 def trial(number: int) -> sim.Trial:
@@ -149,8 +149,8 @@ def errands(goals: Sequence[Point]) -> bdi.Program:
 
 def tried(number: int, again: bool) -> Found:
     """Run the trial of a number, and find out what came of it."""
-    given = trial(number)
-    run = sim.run(given)
+    scene = trial(number)
+    run = sim.run(scene)
     arrivals = [event for event in run.events if event["kind"] == "arrived"]
     left = dict.fromkeys(run.summary["people"], 2)
     for event in arrivals:
@@ -160,7 +160,7 @@ def tried(number: int, again: bool) -> Found:
         nearest(run),
         [name for name in left if in_wall(run, name)],
         [name for name, legs in left.items() if legs > 0],
-        not again or digest(run) == digest(sim.run(given)),
+        not again or digest(run) == digest(sim.run(scene)),
         len(arrivals),
         max((event["t"] for event in arrivals), default=0.0),
     )
@@ -186,10 +186,10 @@ def in_wall(run: sim.Run, name: str) -> bool:
 
 def digest(run: sim.Run) -> bytes:
     """Return a digest of all events and motions of a run."""
-    found = hashlib.sha256(repr([*run.events]).encode())
+    sha = hashlib.sha256(repr([*run.events]).encode())
     for name, motion in run.motions.items():
-        found.update(repr((name, [*motion.pieces])).encode())
-    return found.digest()
+        sha.update(repr((name, [*motion.pieces])).encode())
+    return sha.digest()
 
 
 def table(numbers: range, every: int, jobs: int) -> str:
@@ -201,20 +201,20 @@ def table(numbers: range, every: int, jobs: int) -> str:
     runs = Parallel(n_jobs=jobs)(
         delayed(tried)(number, again=(number // len(FLOORS)) % every == 0) for number in numbers
     )
-    found: list[Found] = list(runs)
-    for number, name, one in zip(numbers, names, found, strict=True):
+    results: list[Found] = list(runs)
+    for number, name, one in zip(numbers, names, results, strict=True):
         if one.nearest < 0.0 or one.in_walls or one.stuck or not one.same:
             print(f"{number} ({name}): {one}", file=sys.stderr, flush=True)
     lines = [
         "| result | number |",
         "|---|---|",
-        f"| trials | {len(found):,} |",
-        f"| people | {sum(one.people for one in found):,} |",
-        f"| trials with an overlap, in continuous time | {sum(o.nearest < 0.0 for o in found)} |",
-        f"| people closer to a wall than their radius | {sum(len(o.in_walls) for o in found)} |",
-        f"| people who do not reach their destination | {sum(len(o.stuck) for o in found)} |",
-        f"| trials whose repetition differs in any byte | {sum(not o.same for o in found)} |",
-        f"| minimum gap between two bodies, m | {min(o.nearest for o in found):.4f} |",
+        f"| trials | {len(results):,} |",
+        f"| people | {sum(one.people for one in results):,} |",
+        f"| trials with an overlap, in continuous time | {sum(o.nearest < 0.0 for o in results)} |",
+        f"| people closer to a wall than their radius | {sum(len(o.in_walls) for o in results)} |",
+        f"| people who do not reach their destination | {sum(len(o.stuck) for o in results)} |",
+        f"| trials whose repetition differs in any byte | {sum(not o.same for o in results)} |",
+        f"| minimum gap between two bodies, m | {min(o.nearest for o in results):.4f} |",
     ]
     return "\n".join(lines)
 
@@ -225,9 +225,9 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=1000, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--again", type=int, default=5, help="each so many runs twice")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     begin = time.process_time()
-    print(table(range(asked.first, asked.first + asked.trials), asked.again, jobs=1))
+    print(table(range(options.first, options.first + options.trials), options.again, jobs=1))
     print(f"{time.process_time() - begin:.0f} s of CPU")
 
 

@@ -111,22 +111,22 @@ def main() -> None:
     parser.add_argument("--hours", type=float, default=8.0)
     parser.add_argument("--seconds", type=float, default=600.0, help="simulated, then repeated")
     parser.add_argument("--keep", type=Path, help="write the page there")
-    given = parser.parse_args()
+    options = parser.parse_args()
     stations = [station.name for station in floorplan.load("warehouse").stations]
     tasks = [{"at": name, "duration": {"lognormal": [60.0, 20.0]}} for name in stations]
-    text = TRIALS[given.trial].format(
-        seconds=given.seconds, people=given.people, tasks=json.dumps(tasks * given.people)
+    text = TRIALS[options.trial].format(
+        seconds=options.seconds, people=options.people, tasks=json.dumps(tasks * options.people)
     )
     trial = sim.Trial.parse(text)
     data = replay_data(sim.run(trial, Minds()))
-    data = repeated(data, round(given.hours * 3600 / given.seconds))
+    data = repeated(data, round(options.hours * 3600 / options.seconds))
     page = render(data)
     pieces = sum(map(len, data["motions"].values()))
-    print(f"{given.people} people, {given.hours:g} h: {pieces:,} pieces of motions,", end=" ")
+    print(f"{options.people} people, {options.hours:g} h: {pieces:,} pieces of motions,", end=" ")
     print(f"{len(data['events']):,} events")
     print(f"page: {len(page.encode()) / 1e6:.1f} MB")
     with tempfile.TemporaryDirectory() as folder:
-        file = given.keep or Path(folder) / "replay.html"
+        file = options.keep or Path(folder) / "replay.html"
         file.write_text(page, encoding="utf-8")
         in_browser("this", lambda browser: measure(browser, file, data["duration"]))
 
@@ -138,8 +138,8 @@ def measure(browser: Browser, file: Path, duration: float) -> None:
     session.send("Performance.enable", {"timeDomain": "threadTicks"})
 
     def times() -> dict[str, float]:
-        found = session.send("Performance.getMetrics")["metrics"]
-        return {one["name"]: float(one["value"]) for one in found}
+        metrics = session.send("Performance.getMetrics")["metrics"]
+        return {one["name"]: float(one["value"]) for one in metrics}
 
     def took(work: Callable[[], object]) -> tuple[float, float]:
         """Return the CPU times (s) of the page's main thread, and of its scripts, for some work."""

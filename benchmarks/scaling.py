@@ -202,11 +202,11 @@ def exponent(curve: Curve) -> float:
 
 
 @styled()
-def picture(found: Mapping[str, Mapping[str, Curve]], path: Path) -> None:
+def picture(panel_curves: Mapping[str, Mapping[str, Curve]], path: Path) -> None:
     """Draw a panel of each, with the exponents."""
     figure = new_figure("double", 3.6)
     panels = figure.subplots(2, 3).ravel()
-    for axes, (name, curves) in zip(panels, found.items(), strict=False):
+    for axes, (name, curves) in zip(panels, panel_curves.items(), strict=False):
         for (label, curve), colour in zip(curves.items(), (BLUE, VERMILION), strict=False):
             power = f"exponent {exponent(curve):.1f}"
             axes.loglog(
@@ -221,7 +221,7 @@ def picture(found: Mapping[str, Mapping[str, Curve]], path: Path) -> None:
         axes.set_ylim(low, high * (high / low) ** 0.4)
     for axes in panels[::3]:
         axes.set_ylabel("CPU time, s")
-    for axes in panels[len(found) :]:
+    for axes in panels[len(panel_curves) :]:
         axes.remove()
     save(figure, path)
 
@@ -231,15 +231,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("picture", nargs="?", type=Path)
     parser.add_argument("--only", choices=PANELS, nargs="+", default=list(PANELS))
-    given = parser.parse_args()
-    found = {}
-    for name in given.only:
-        found[name] = PANELS[name]()
-        for label, curve in found[name].items():
+    options = parser.parse_args()
+    curves = {}
+    for name in options.only:
+        curves[name] = PANELS[name]()
+        for label, curve in curves[name].items():
             points = ", ".join(f"{count:g}: {seconds:.3g}" for count, seconds in curve)
             print(f"{name}, {label}: exponent {exponent(curve):.2f} ({points})", flush=True)
-    if given.picture is not None:
-        picture(found, given.picture)
+    if options.picture is not None:
+        picture(curves, options.picture)
 
 
 if __name__ == "__main__":

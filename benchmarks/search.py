@@ -26,12 +26,12 @@ STUDIES = ("short_sighted", "impatient")
 FOLDER = Path(__file__).parents[1] / "examples" / "planted_faults"
 
 
-def searched(name: str, seed: int, **given: object) -> SearchResults:
+def searched(name: str, seed: int, **options: object) -> SearchResults:
     """Search a copy of one of the studies with a seed, in a folder that vanishes."""
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(shutil.copytree(FOLDER, Path(folder) / "planted_faults"))
         study = replace(sim.Study.load(copy / f"{name}.study.yaml"), seed=seed)
-        return sim.search(study, copy / "out", minimise="least_margin_moving", **given)
+        return sim.search(study, copy / "out", minimise="least_margin_moving", **options)
 
 
 def first(results: SearchResults) -> int | None:
@@ -46,14 +46,14 @@ def main() -> None:
     parser.add_argument("--evaluations", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=None)
     parser.add_argument("--long", action="store_true")
-    asked = parser.parse_args()
-    given = {"evaluations": asked.evaluations, "jobs": asked.jobs}
+    options = parser.parse_args()
+    budget = {"evaluations": options.evaluations, "jobs": options.jobs}
     for name in STUDIES:
-        print(f"{name}: breaking evaluations of {asked.evaluations}, first at")
+        print(f"{name}: breaking evaluations of {options.evaluations}, first at")
         ratios = [0, 0]
-        for seed in range(asked.seeds):
-            random = searched(name, seed, sampler="random", cases=0, **given)
-            tpe = searched(name, seed, cases=3, **given)
+        for seed in range(options.seeds):
+            random = searched(name, seed, sampler="random", cases=0, **budget)
+            tpe = searched(name, seed, cases=3, **budget)
             ratios[0] += len(random.broken)
             ratios[1] += len(tpe.broken)
             runs = [case.minimised for case in tpe.cases if case.minimised is not None]
@@ -68,9 +68,9 @@ def main() -> None:
                 flush=True,
             )
         print(f"  in all: random {ratios[0]}, tpe {ratios[1]}")
-    if asked.long:
+    if options.long:
         for sampler in ("random", "tpe"):
-            print(f"2,000 evaluations, {sampler}: {long(sampler, asked.jobs):.0f} s", flush=True)
+            print(f"2,000 evaluations, {sampler}: {long(sampler, options.jobs):.0f} s", flush=True)
 
 
 def long(sampler: str, jobs: int | None) -> float:

@@ -82,15 +82,15 @@ def pairs(repetitions: int) -> list[float]:
 
     Medians of each pair, with four moving AGVs.
     """
-    found = []
+    factors = []
     for controller in CONTROLLERS:
         work = WORK.format(controller=controller) + FOUR_AGVS
         for personality in BESIDE:
             person = f"people: [{{name: p, personality: {personality}}}]\n"
             trial = sim.Trial.parse(f"floorplan: ariac2023\n{person}{work}")
             seconds = [cpu_of_run(trial) for _ in range(repetitions)]
-            found.append(trial.duration / statistics.median(seconds))
-    return found
+            factors.append(trial.duration / statistics.median(seconds))
+    return factors
 
 
 def looking_around(gantry: Any) -> Generator[Any, Any, None]:
@@ -136,7 +136,7 @@ def speeds(text: str, repetitions: int) -> tuple[float, float]:
     """How many times as fast as real time: by `sim.run`, and as `floorwalker run` prints it."""
     text = f"floorplan: ariac2023\n{text}"
     trial = sim.Trial.parse(text)
-    known = statistics.median(cpu_of_run(trial) for _ in range(repetitions))
+    seconds = statistics.median(cpu_of_run(trial) for _ in range(repetitions))
     factors = []
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "t.trial.yaml").write_text(text, encoding="utf-8")
@@ -144,7 +144,7 @@ def speeds(text: str, repetitions: int) -> tuple[float, float]:
             cpu_of_process("run", f"{folder}/t.trial.yaml", "--out", f"{folder}/{k}")
             summary = Path(folder, str(k), "summary.json").read_text(encoding="utf-8")
             factors.append(json.loads(summary)["realtime_factor"])
-    return trial.duration / known, statistics.median(factors)
+    return trial.duration / seconds, statistics.median(factors)
 
 
 def cpu_of_process(*arguments: str) -> float:
@@ -200,8 +200,8 @@ def main() -> None:
         print(f"{personality:32} {median:9.4f} {min(seconds):9.4f} {275 / median:12,.0f}")
     print(f"{'× real time':40} {'sim.run':>9} {'command':>9}")
     for name, text in TRIALS.items():
-        known, command = speeds(text, repetitions)
-        print(f"{name:40} {known:9,.0f} {command:9,.0f}", flush=True)
+        by_run, command = speeds(text, repetitions)
+        print(f"{name:40} {by_run:9,.0f} {command:9,.0f}", flush=True)
     factors = sorted(pairs(repetitions))
     print(f"{'controllers beside personalities':40} {factors[4]:9,.0f}, least {factors[0]:,.0f}")
     print(f"{'decisions of a controller /s':40} {decisions(repetitions):9,.0f}")

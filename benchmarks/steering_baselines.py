@@ -50,23 +50,23 @@ def measured(
     `free` has the times of the paths at top speed (s) in each scene, of people who go to two places
     only.
     """
-    found = Found()
+    result = Found()
     for scene, times in zip(scenes, free, strict=True):
         begin = time.process_time()
         run = sim.run(replace(scene, steering=STEERINGS[steering], folder=EXAMPLES))
-        found.cpu += time.process_time() - begin
-        found.overlaps += run.summary["overlaps"]
-        found.deepest = max(found.deepest, -nearest(run))
+        result.cpu += time.process_time() - begin
+        result.overlaps += run.summary["overlaps"]
+        result.deepest = max(result.deepest, -nearest(run))
         arrivals: dict[str, list[float]] = {name: [] for name in run.summary["people"]}
         for event in run.events:
             if event["kind"] == "arrived":
                 arrivals[event["person"]].append(event["t"])
-        found.legs += sum(map(len, arrivals.values()))
+        result.legs += sum(map(len, arrivals.values()))
         for name, seconds in times.items():
             is_late = len(arrivals[name]) < 2
-            found.late += is_late
-            found.lost += (run.duration if is_late else arrivals[name][1]) - seconds
-    return found
+            result.late += is_late
+            result.lost += (run.duration if is_late else arrivals[name][1]) - seconds
+    return result
 
 
 def free_times(scene: sim.Trial) -> dict[str, float]:
@@ -89,9 +89,9 @@ def main() -> None:
     parser.add_argument("--crowds", type=int, default=10, help="number of random crowds")
     parser.add_argument("--patrols", type=int, default=1, help="number of patrols")
     parser.add_argument("--only", nargs="+", choices=STEERINGS, default=[*STEERINGS])
-    asked = parser.parse_args()
-    crowds = [crowd(number) for number in range(asked.crowds)]
-    patrols = [replace(sim.Trial.parse(PATROL), seed=seed) for seed in range(asked.patrols)]
+    options = parser.parse_args()
+    crowds = [crowd(number) for number in range(options.crowds)]
+    patrols = [replace(sim.Trial.parse(PATROL), seed=seed) for seed in range(options.patrols)]
     print("| scenes | steering | legs | late | time lost | overlaps | deepest | CPU |")
     print("|---|---|---|---|---|---|---|---|")
     crowds_free, patrols_free = [*map(free_times, crowds)], [{} for _ in patrols]
@@ -99,12 +99,12 @@ def main() -> None:
         ("random crowds", crowds, crowds_free),
         ("patrol of 50", patrols, patrols_free),
     ):
-        for steering in asked.only if scenes else ():
-            found = measured(steering, scenes, free)
-            late = (str(found.late), f"{found.lost:,.0f} s") if scenes is crowds else ("–", "–")
+        for steering in options.only if scenes else ():
+            results = measured(steering, scenes, free)
+            late = (str(results.late), f"{results.lost:,.0f} s") if scenes is crowds else ("–", "–")
             print(
-                f"| {kind} | {steering} | {found.legs} | {' | '.join(late)} "
-                f"| {found.overlaps:,} | {found.deepest:.2f} m | {found.cpu:,.1f} s |",
+                f"| {kind} | {steering} | {results.legs} | {' | '.join(late)} "
+                f"| {results.overlaps:,} | {results.deepest:.2f} m | {results.cpu:,.1f} s |",
                 flush=True,
             )
 

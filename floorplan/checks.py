@@ -134,13 +134,13 @@ def starting_fault(plan: Floor, at: tuple[float, float], radius: float | None = 
     if SOUND not in vars(plan):
         return _starting_fault(plan, at, radius)
     # Floorplans are immutable, and all trials on a floor use the same few positions.
-    known: dict[tuple[float | None, ...], str] = vars(plan).setdefault(_STARTS, {})
-    asked = (*at, radius)
-    if asked not in known:
-        if len(known) >= _MOST_STARTS:
-            known.clear()
-        known[asked] = _starting_fault(plan, at, radius)
-    return known[asked]
+    reasons: dict[tuple[float | None, ...], str] = vars(plan).setdefault(_STARTS, {})
+    key = (*at, radius)
+    if key not in reasons:
+        if len(reasons) >= _MOST_STARTS:
+            reasons.clear()
+        reasons[key] = _starting_fault(plan, at, radius)
+    return reasons[key]
 
 
 def _starting_fault(plan: Floor, at: tuple[float, float], radius: float | None) -> str:
@@ -209,13 +209,13 @@ def _lane_faults(lane: Lane) -> Iterator[Fault]:
         if not low <= q <= high:
             message = f"{q:g} is outside the lane's limits {low:g} … {high:g}"
             yield message, ("agvs", "locations", name)
-    known = ", ".join(lane.locations) or "none"
+    names = ", ".join(lane.locations) or "none"
     if lane.start not in lane.locations:
-        message = f"{lane.name} starts at {lane.start!r}, which is no location (there are: {known})"
+        message = f"{lane.name} starts at {lane.start!r}, which is no location (there are: {names})"
         yield message, ("agvs", "lanes", lane.name)
     for alias, location in lane.serves.items():
         if location not in lane.locations:
-            message = f"{location!r} is no location (there are: {known})"
+            message = f"{location!r} is no location (there are: {names})"
             yield message, ("agvs", "lanes", lane.name, "serves", alias)
 
 

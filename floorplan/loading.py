@@ -174,7 +174,7 @@ def corrected(base: Floorplan, schema: FloorplanSchema, metre: float) -> Floorpl
 
     Names are those of the obstacles in `base`. Distances are in units of `metre` metres.
     """
-    kept = []
+    obstacles = []
     for obstacle in base.obstacles:
         name = obstacle.name
         if any(fnmatchcase(name, pattern) for pattern in schema.remove):
@@ -183,8 +183,8 @@ def corrected(base: Floorplan, schema: FloorplanSchema, metre: float) -> Floorpl
             dx, dy = (d * metre for d in schema.move[name])
             footprint = shapely.transform(obstacle.footprint, lambda at, d=(dx, dy): at + d)
             obstacle = replace(obstacle, footprint=footprint)
-        kept.append(replace(obstacle, name=schema.rename.get(name, name)))
-    return replace(base, obstacles=kept)
+        obstacles.append(replace(obstacle, name=schema.rename.get(name, name)))
+    return replace(base, obstacles=obstacles)
 
 
 def correction_faults(base: Floorplan, schema: FloorplanSchema) -> Iterator[Fault]:
@@ -196,8 +196,8 @@ def correction_faults(base: Floorplan, schema: FloorplanSchema) -> Iterator[Faul
         removed |= met
         if not met:
             yield _unknown(pattern, names), ("remove", k)
-    for key, given in (("move", schema.move), ("rename", schema.rename)):
-        for name in given:
+    for key, corrections in (("move", schema.move), ("rename", schema.rename)):
+        for name in corrections:
             if name not in names:
                 yield _unknown(name, names), (key, name)
             elif name in removed:
@@ -209,12 +209,12 @@ def _unknown(name: str, names: Sequence[str]) -> str:
     return f"no obstacle of the base is called {name!r}; {hint}"
 
 
-def laid_over(base: Floorplan, top: Floorplan, given: Iterable[str]) -> Floorplan:
-    """Return `base` with `top` over it. `given` are the keys of `top` in its file.
+def laid_over(base: Floorplan, top: Floorplan, keys: Iterable[str]) -> Floorplan:
+    """Return `base` with `top` over it. `keys` are the keys of `top` in its file.
 
     An entry of `top` replaces one of the same kind and name.
     """
-    laid = {_FIELDS[key]: getattr(top, _FIELDS[key]) for key in given if key in _FIELDS}
+    laid = {_FIELDS[key]: getattr(top, _FIELDS[key]) for key in keys if key in _FIELDS}
     return replace(
         base,
         name=top.name,
@@ -345,8 +345,8 @@ def _read(path: Path, drawn: Drawn | None, above: tuple[Path, ...]) -> Floorplan
             plan = replace(plan, notices=(*plan.notices, *notices))
         return plan
     if is_there(path):
-        known = ", ".join(READ)
-        message = f"the name of a floorplan's file ends in one of {known}"
+        endings = ", ".join(READ)
+        message = f"the name of a floorplan's file ends in one of {endings}"
         beside = path.with_suffix(".yaml")
         if suffix in IMAGES and is_there(beside):
             message += f"; of a ROS map it is that of its settings: {beside}"
@@ -423,10 +423,10 @@ def _base(
     """Return the base in metres, with this `boundary` unless it is None."""
     assert schema.base is not None
     name, path = schema.base, folder / schema.base
-    given = [key for key in OF_DRAWINGS if key in schema.model_fields_set]
-    if given and path.suffix.lower() not in LAYERED:
+    keys = [key for key in OF_DRAWINGS if key in schema.model_fields_set]
+    if keys and path.suffix.lower() not in LAYERED:
         message = f"only a drawing ({', '.join(LAYERED)}) has layers, and {name!r} is none"
-        raise FloorplanError(document.file, [document.problem(message, key) for key in given])
+        raise FloorplanError(document.file, [document.problem(message, key) for key in keys])
     if name in builtin():
         return load(name)
     if not is_there(path):

@@ -242,7 +242,7 @@ class Zone(ComposedKeys):
             return ()
         ring = shapely.orient_polygons(self.area).exterior.coords
         c, s = (part / math.hypot(*self.one_way) for part in self.one_way)
-        found = []
+        gates = []
         for (ax, ay), (bx, by) in pairwise(at[:2] for at in ring):
             width = math.dist((ax, ay), (bx, by))
             # The ring is counterclockwise, so (dy, -dx) of a side points outwards. People leave the
@@ -251,7 +251,7 @@ class Zone(ComposedKeys):
             if abs(outwards) > ALONG * width:
                 towards = ((ax + bx) / 2 + c, (ay + by) / 2 + s)
                 name = f"{self.name} ({'exit' if outwards > 0 else 'entry'})"
-                found.append(
+                gates.append(
                     Gate(
                         name=name,
                         ends=((ax, ay), (bx, by)),
@@ -259,7 +259,7 @@ class Zone(ComposedKeys):
                         concerns=self.concerns,
                     )
                 )
-        return tuple(found)
+        return tuple(gates)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -418,8 +418,8 @@ class Lane(ComposedKeys):
         if isinstance(to, str):
             location = self.serves.get(to, to)
             if location not in self.locations:
-                known = ", ".join([*self.locations, *self.serves])
-                raise UserError(f"{self.name} has no location {to!r} (there are: {known})")
+                names = ", ".join([*self.locations, *self.serves])
+                raise UserError(f"{self.name} has no location {to!r} (there are: {names})")
             return self.locations[location]
         low, high = self.limits
         if not low <= to <= high:
@@ -430,11 +430,11 @@ class Lane(ComposedKeys):
 
     def footprint(self, q: float) -> Polygon:
         """Return the rectangle of the AGV at lane position `q` (metres)."""
-        known: tuple[float, Polygon] | None = vars(self).get("_footprint")  # usually repeated
-        if known is None or known[0] != q:
-            known = q, rectangle(self.position(q), self.direction, self.length, self.width)
-            vars(self)["_footprint"] = known
-        return known[1]
+        cached: tuple[float, Polygon] | None = vars(self).get("_footprint")  # usually repeated
+        if cached is None or cached[0] != q:
+            cached = q, rectangle(self.position(q), self.direction, self.length, self.width)
+            vars(self)["_footprint"] = cached
+        return cached[1]
 
 
 ROUNDING = 1e-9
@@ -547,8 +547,8 @@ class Floor:
     @cached_property
     def middles(self) -> dict[str, Point]:
         """Centroids of obstacles by name (x, y in metres)."""
-        found = ((one.name, one.footprint.centroid) for one in self.obstacles)
-        return {name: (middle.x, middle.y) for name, middle in found}
+        centroids = ((one.name, one.footprint.centroid) for one in self.obstacles)
+        return {name: (middle.x, middle.y) for name, middle in centroids}
 
     @cached_property
     def one_ways(self) -> tuple[Gate, ...]:
@@ -570,10 +570,10 @@ class Floor:
         )
 
     def __repr__(self) -> str:
-        held = [extent(self.boundary), f"{len(self.obstacles)} obstacles"]
-        held += [f"{len(self.stations)} stations", f"{len(self.lanes)} lanes"]
-        held += ["a gantry"] if self.gantry is not None else []
-        return f"<{type(self).__name__} {self.name!r}: {', '.join(held)}>"
+        parts = [extent(self.boundary), f"{len(self.obstacles)} obstacles"]
+        parts += [f"{len(self.stations)} stations", f"{len(self.lanes)} lanes"]
+        parts += ["a gantry"] if self.gantry is not None else []
+        return f"<{type(self).__name__} {self.name!r}: {', '.join(parts)}>"
 
     @property
     def patrolled(self) -> tuple[Station, ...]:

@@ -188,16 +188,16 @@ class Floorplan(Floor):
         """
         check(self)
         path = Path(path)
-        known = OF_SUFFIX.get(path.suffix.lower())
-        is_map = known is ROS_MAP or (known is YAML and resolution is not None)
+        form = OF_SUFFIX.get(path.suffix.lower())
+        is_map = form is ROS_MAP or (form is YAML and resolution is not None)
         if resolution is not None and not (is_map and resolution >= FINEST):
             reason = f"a ROS map (.pgm, .yaml), of at least {FINEST:g} m"
             raise UserError(f"{path}: a resolution belongs to {reason}")
         if is_map:
             write_map = function(ROS_MAP.writer)
             write_map(self, path, USUAL if resolution is None else resolution)
-        elif known is not None and known.writer:
-            write = function(known.writer)
+        elif form is not None and form.writer:
+            write = function(form.writer)
             write(self, path)
         else:
             suffixes = ", ".join(WRITTEN)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -118,9 +119,12 @@ class VehiclePlanner:
         self.seed = seed
         self._corners = [(float(x), float(y)) for x, y in footprint.exterior.coords[:-1]]
         self._outer = float(np.hypot(*np.array(self._corners).T).max())
+        half_turned = affinity.scale(footprint, -1.0, -1.0, origin=(0.0, 0.0))
+        self._is_same_backwards = not self.limits.holonomic and half_turned.equals(footprint)
         self._inner = float(footprint.exterior.distance(shapely.Point(0.0, 0.0)))
         # Half a step of δ from a box, the distance of a corner is at most r sin(δ / 2).
         self._step = 2 * math.asin(min(_SAG / self._outer, 1.0))
+        self._walls = world.walls(max(self._inner - SLACK, 0.0))
         self._shape = region(footprint)
         self._box = fcl.Box(1.0, 1.0, _THICK)
         self._boxes = fcl.CollisionObject(self._box, fcl.Transform())
@@ -138,6 +142,8 @@ class VehiclePlanner:
     def fits(self, pose: Sequence[float]) -> bool:
         """Return whether the vehicle touches nothing in a pose (x, y, rotation)."""
         x, y, rotation = map(float, pose)
+        if self._is_walled((x, y), (x, y)):
+            return False
         self._put(self._shape, (x, y), rotation)
         (low_x, low_y), (high_x, high_y) = self._extent(math.cos(rotation), -math.sin(rotation))
         return self.world.clear_of(self._shape, (x + low_x, y + low_y, x + high_x, y + high_y))
@@ -301,7 +307,11 @@ class VehiclePlanner:
             return self._turn(a, one[2], one[2] if rotation is None else rotation)
         for heading in self._ways(one, to):
             # The drive first, because it is one query.
-            first = self._turn(a, one[2], heading) if self._drive_free(a, to, heading) else None
+            if not self._drive_free(a, to, heading):
+                if self._is_same_backwards:
+                    return None
+                continue
+            first = self._turn(a, one[2], heading)
             if first is None:
                 continue
             last = self._turn(to, first[-1][2], first[-1][2] if rotation is None else rotation)
@@ -330,6 +340,8 @@ class VehiclePlanner:
         gates = self.world.gates
         if gates.lines and not gates.allow(a, b):
             return False
+        if self._is_walled(a, b):
+            return False
         length = math.dist(a, b)
         c, s = (b[0] - a[0]) / length, (b[1] - a[1]) / length
         turned = math.atan2(s, c) - rotation
@@ -348,9 +360,21 @@ class VehiclePlanner:
         (low, right), (high, left) = self._extent(1.0, 0.0)
         more = _SAG + SLACK
         spans = (low - more, high + more), (right - more, left + more)
-        # Boxes in the middle of each step enclose the turn to its ends.
-        angles = (begin + (end - begin) * (k + 0.5) / count for k in range(count))
-        return all(self._box_free(at, (math.cos(a), math.sin(a)), *spans) for a in angles)
+        # Boxes in the middle of each step enclose the turn to its ends. Neighbours mostly meet the
+        # same obstacle, so the order bisects the turn.
+        untested = deque([(0, count)])
+        while untested:
+            first, last = untested.popleft()
+            k = (first + last) // 2
+            angle = begin + (end - begin) * (k + 0.5) / count
+            if not self._box_free(at, (math.cos(angle), math.sin(angle)), *spans):
+                return False
+            untested += [span for span in ((first, k), (k + 1, last)) if span[0] < span[1]]
+        return True
+
+    def _is_walled(self, a: Point, b: Point) -> bool:
+        """Return whether the disc inside the footprint meets the edges of the floor from a to b."""
+        return not self._walls.clear(a, b)
 
     def _box_free(
         self, at: Point, direction: Point, along: tuple[float, float], across: tuple[float, float]

@@ -308,6 +308,11 @@ class Simulation(InProgress):
         for person in self.people:
             person.on_command = partial(self._call_from_outside, person)
 
+    @property
+    def has_started(self) -> bool:
+        """Whether the trial has started."""
+        return self._started
+
     @_in_run
     def start(self) -> None:
         """Start the trial unless it has started."""

@@ -39,7 +39,7 @@ ROOMS = (
     ("commands",),
     ("cli", "pytest_plugin"),
 )
-"""The rooms of `sim`: each imports from those above it alone."""
+"""The rooms of `sim`. Each imports only from rooms above it."""
 
 
 OF_THE_LIBRARY = {
@@ -67,7 +67,7 @@ OF_THE_LIBRARY = {
     },
     "bdi": {"actions", "language", "reasoning"},
 }
-"""The inner modules of each package that others import; everything else goes by public names."""
+"""Inner modules of each package that others import. They use public names otherwise."""
 
 
 def sources(package):
@@ -88,10 +88,8 @@ def parsed(path):
     return tree.body, [*ast.walk(tree)]
 
 
-def imported(name, path, known):
-    """Return the modules among `known` that a module imports, also for types alone and in
-    functions.
-    """
+def imported(name, path, modules):
+    """Return those of `modules` that a module imports, also for types alone and in functions."""
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
     for node in parsed(path)[1]:
         if isinstance(node, ast.Import):
@@ -103,7 +101,7 @@ def imported(name, path, known):
         else:
             continue
         for module in wanted:
-            while module and module not in known:
+            while module and module not in modules:
                 module = module.rpartition(".")[0]
             if module and module != name:
                 yield module
@@ -126,7 +124,7 @@ def test_no_files_import_each_other_in_a_circle(graph):
     assert circle == []
 
 
-def test_rooms_import_from_those_above_them(graph):
+def test_rooms_import_only_from_rooms_above_them(graph):
     level = {room: k for k, rooms in enumerate(ROOMS) for room in rooms}
     for module, others in graph.items():
         for other in others:
@@ -160,7 +158,7 @@ def test_imports_go_in_one_direction(package):
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_inner_modules_of_other_packages_are_those_of_the_list(package):
+def test_only_listed_inner_modules_are_imported_by_other_packages(package):
     for path in sources(package):
         for name, _, line in imports(path):
             top, _, inner = name.partition(".")

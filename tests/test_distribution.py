@@ -127,5 +127,5 @@ def test_the_sdist_installs_without_a_compiler(built, clean, tmp_path):
     pip = [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check"]
     nothing = {**clean, "CC": str(tmp_path / "nothing")}
     subprocess.run([*pip, "install", "--no-deps", str(sdist)], check=True, env=nothing)
-    found = [path for path in environment.rglob("kernels/[a-z]*") if path.is_file()]
-    assert {path.suffix for path in found} == {".py", ".pxd"}
+    kernels = [path for path in environment.rglob("kernels/[a-z]*") if path.is_file()]
+    assert {path.suffix for path in kernels} == {".py", ".pxd"}

@@ -2,6 +2,7 @@
 
 import dataclasses
 import importlib
+import inspect
 import pkgutil
 import re
 import sys
@@ -25,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"(?P<before>[^\n]*\n(?:[^\n]*\n)?)\n?```(?P<kind>\w+)\n(?P<text>.*?)```", re.S)
 NEEDS_PYTHON = {"pedpy": (3, 11)}
-"""Imports of examples that can't be installed with every Python."""
+"""Imports of examples that cannot be installed with every Python."""
 SHOWN = ("yaml", "python", "agentspeak", "asl")
 """Kinds of blocks that may be files."""
 DOTTED = re.compile(r"(?<![\w./-])(?:sim|bdi|floorplan|navigation)(?:\.[A-Za-z_]\w*)+")
@@ -124,7 +125,8 @@ people: [{", ".join(f"{{name: {p}, personality: {p}}}" for p in minds)}]
 gantry: {{jobs: [{{move: [-2.3, 3.0, 0.0]}}, {{pick: bin6, place: agv4}}]}}
 """
     )
-    gantry = replace(trial.gantry, controller=namespace[name])
+    rate = None if inspect.isgeneratorfunction(namespace[name]) else 5.0
+    gantry = replace(trial.gantry, controller=namespace[name], rate=rate)
     simulation = sim.Simulation(replace(trial, gantry=gantry))
     for t in range(8, 120, 13):
         simulation.clock.call_at(t, lambda: simulation.gantry.interrupt("person_close"))
@@ -160,15 +162,15 @@ REFERENCE = {
     StudyKeys: ("studies.md", "search.md"),
 }
 WRITTEN_ONLY = {RuleForm: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream", "number"}}
-"""Keys that stand for a text, or that only `to_yaml` writes."""
+"""Keys that replace a text, or that only `to_yaml` writes."""
 
 
 @pytest.mark.parametrize("model", REFERENCE, ids=lambda model: model.__name__)
 def test_the_reference_has_every_key(model):
     text = "".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in REFERENCE[model])
     names = {*keys(model)} - WRITTEN_ONLY.get(model, set())
-    told = r"`([\w.]+\.)?{0}[`:]|\b{0}:|(?m:^#+ .*\b{0}\b)"
-    missing = {name for name in names if not re.search(told.format(name), text)}
+    mention = r"`([\w.]+\.)?{0}[`:]|\b{0}:|(?m:^#+ .*\b{0}\b)"
+    missing = {name for name in names if not re.search(mention.format(name), text)}
     assert missing == set()
 
 
@@ -188,8 +190,8 @@ def test_the_reference_marks_the_required_keys_of_machines():
     for key in ("agvs", "gantry"):
         (part,) = forms(dict(form_keys(FloorplanSchema))[key])
         needed = {f"{key}.{name}" for name in required(part)}
-        told = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
-        assert told == needed
+        mentioned = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
+        assert mentioned == needed
 
 
 def test_links_lead_somewhere():
@@ -211,7 +213,7 @@ def test_every_study_in_the_examples_can_be_run():
 
 
 LONG = ("traffic.trial.yaml", "vehicles.trial.yaml")
-"""Examples that take seconds, because several vehicles plan their paths among each other."""
+"""Examples that take seconds, because several vehicles plan paths around each other."""
 
 
 @pytest.mark.parametrize(

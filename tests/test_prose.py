@@ -22,12 +22,12 @@ ROOMS = sorted(
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_docstrings_and_comments_are_plain_sentences(room):
-    found = shares(chain.from_iterable(map(of_module, sorted((ROOT / room).glob("*.py")))))
-    above = [one for one in zip(MEASURES, found, LIMITS, strict=True) if one[1] > one[2]]
+    measured = shares(chain.from_iterable(map(of_module, sorted((ROOT / room).glob("*.py")))))
+    above = [one for one in zip(MEASURES, measured, LIMITS, strict=True) if one[1] > one[2]]
     assert not above, f"python -m tests.prose {room} prints the sentences"
 
 
 def test_pages_are_plain_sentences():
     pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-    found = shares(chain.from_iterable(map(of_page, pages)))
-    assert all(share <= limit for share, limit in zip(found, LIMITS, strict=True)), found
+    measured = shares(chain.from_iterable(map(of_page, pages)))
+    assert all(share <= limit for share, limit in zip(measured, LIMITS, strict=True)), measured

@@ -83,11 +83,11 @@ def documented_members(package):
     extensions = griffe.load_extensions("griffe_inherited_docstrings")
     module = importlib.import_module(package)
     folder = Path(module.__file__).parents[1]  # of the sources, or where the package is installed
-    found = griffe.load(
+    package_docs = griffe.load(
         package, search_paths=[folder], docstring_parser="numpy", extensions=extensions
     )
     for name in module.__all__:
-        of = found[name].final_target if found[name].is_alias else found[name]
+        of = package_docs[name].final_target if package_docs[name].is_alias else package_docs[name]
         if of.is_function:
             yield name, of
         elif of.is_class:
@@ -105,9 +105,9 @@ def sections(of):
 def test_sections_have_every_parameter(package):
     undocumented = {}
     for name, of in documented_members(package):
-        known = sections(of).get("parameters", [])
+        documented = sections(of).get("parameters", [])
         wanted = [p.name for p in of.parameters if p.name not in ("self", "cls")]
-        if [one.name.lstrip("*") for one in known] != wanted:
+        if [one.name.lstrip("*") for one in documented] != wanted:
             undocumented[name] = wanted
     assert undocumented == {}
 
@@ -146,8 +146,8 @@ def names_of(package):
 
 
 def classes_of(package):
-    found = [getattr(importlib.import_module(package), name) for name in names_of(package)]
-    return [of for of in found if is_class(of)]
+    values = [getattr(importlib.import_module(package), name) for name in names_of(package)]
+    return [of for of in values if is_class(of)]
 
 
 def callables_of(package):
@@ -163,7 +163,7 @@ def callables_of(package):
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_types_of_everything_that_can_be_called_are_known(package):
+def test_types_of_all_callables_can_be_resolved(package):
     unknown = []
     for name, of in callables_of(package):
         try:
@@ -221,7 +221,7 @@ SAMPLES = {
         *(navigation.VehicleLimits(), FIELDS, FIELDS.sets[0], navigation.FieldSupplements()),
     ],
 }
-"""Values to copy, which are compared by what they hold."""
+"""Values to copy, which are compared by their contents."""
 
 COPIES = {
     "deepcopy": copy.deepcopy,
@@ -271,9 +271,9 @@ def test_paths_movers_and_errors_are_copied(way):
     assert (copied.points.tolist(), copied.clearance) == (path.points.tolist(), path.clearance)
     mover = COPIES[way](navigation.Mover("agv", MOVE, TORSO))
     assert (mover.name, mover.motion, mover.solid) == ("agv", MOVE, TORSO)
-    with pytest.raises(navigation.PlanningError) as found:
+    with pytest.raises(navigation.PlanningError) as raised:
         planner.plan((-15.0, -10.0), (99.0, 0.0))
-    for error in (found.value, floorplan.FloorplanError("f", [floorplan.Problem("is missing")])):
+    for error in (raised.value, floorplan.FloorplanError("f", [floorplan.Problem("is missing")])):
         assert type(COPIES[way](error)) is type(error)
         assert str(COPIES[way](error)) == str(error)
 
@@ -293,7 +293,7 @@ def completions(text):
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_names_of_the_reference_are_those_that_are_loaded(package):
+def test_names_of_the_reference_equal_the_loaded_ones(package):
     """Type checkers and the reference use `__all__` of the stub, and Python its imports."""
     module = importlib.import_module(package)
     stub = ast.parse(Path(module.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 
 OF_THE_MACHINE = {"scaling.svg", "cost.svg", "film.gif"}
-"""Pictures of CPU times, and what a browser draws."""
+"""Pictures of CPU times, and pictures drawn by a browser."""
 
 
 @pytest.fixture

@@ -39,7 +39,7 @@ def test_the_site_builds_without_a_warning_and_needs_no_network(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_pictures_are_those_that_the_script_makes(tmp_path):
+def test_the_pictures_equal_those_of_the_script(tmp_path):
     pytest.importorskip("matplotlib")
     subprocess.run([sys.executable, str(DOCS / "make_pictures.py"), str(tmp_path)], check=True)
     made = {path.name for path in tmp_path.iterdir()}

@@ -38,7 +38,7 @@ def test_no_violation_and_six_jobs_with_the_courteous_controller(trial):
 
 
 NOT_HERE = ("render", "replay", "study")
-"""Commands that open a browser, or take long and have tests of their own."""
+"""Commands that open a browser, or that take long and have separate tests."""
 
 
 @pytest.mark.slow

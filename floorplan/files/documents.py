@@ -152,10 +152,10 @@ class Document:
 
     def problem(self, message: str, *place: str | int) -> Problem:
         """Return a problem at the value with this `place`, or at the nearest value around it."""
-        known = place
-        while known and known not in self.lines:
-            known = known[:-1]
-        return Problem(message, field_name((*self.at, *place)), self.lines.get(known))
+        nearest = place
+        while nearest and nearest not in self.lines:
+            nearest = nearest[:-1]
+        return Problem(message, field_name((*self.at, *place)), self.lines.get(nearest))
 
     def checked(
         self, schema: type[_Schema], error: type[InputError], context: Any = None
@@ -165,8 +165,8 @@ class Document:
         Pydantic's validators get the `context`.
         """
         if not isinstance(self.data, dict):
-            found = "nothing" if self.data is None else "a " + _kind(self.data)
-            message = f"expected keys with values, found {found}"
+            kind = "nothing" if self.data is None else "a " + _kind(self.data)
+            message = f"expected keys with values, found {kind}"
             raise error(self.file, [self.problem(message)])
         try:
             return schema.model_validate(self.data, context=context)
@@ -245,7 +245,7 @@ def _survey(
         for index, child in enumerate(node.value):
             problems += _survey(child, (*place, index), lines, within)
     elif isinstance(node, yaml.MappingNode):
-        seen: set[Hashable] = set()
+        keys: set[Hashable] = set()
         for key, child in node.value:
             line = key.start_mark.line + 1
             if not isinstance(key, yaml.ScalarNode):
@@ -253,9 +253,9 @@ def _survey(
                 continue
             problems += _survey(key, place, lines, within)
             inner = (*place, str(key.value))
-            if key.value in seen and key.tag != "tag:yaml.org,2002:merge":
+            if key.value in keys and key.tag != "tag:yaml.org,2002:merge":
                 problems.append(Problem("this key stands twice", field_name(inner), line))
-            seen.add(key.value)
+            keys.add(key.value)
             lines.setdefault(inner, line)
             problems += _survey(child, inner, lines, within)
     return problems

@@ -216,9 +216,9 @@ def brief(value: Any) -> str:
     for field in fields(value):
         made = field.default_factory
         usual = field.default if made is MISSING else made()
-        given = getattr(value, field.name)
-        if field.repr and (usual is MISSING or given != usual):
-            text = repr(given)
+        current = getattr(value, field.name)
+        if field.repr and (usual is MISSING or current != usual):
+            text = repr(current)
             shown.append(f"{field.name}={text if len(text) <= SHOWN else text[: SHOWN - 1] + '…'}")
     return f"{type(value).__qualname__}({', '.join(shown)})"
 

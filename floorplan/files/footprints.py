@@ -37,11 +37,11 @@ class FootprintKeys:
     @model_validator(mode="after")
     def _one_footprint(self) -> Self:
         keys = ("x", "y", "center", "size", "radius", "polygon")
-        given = {key for key in keys if getattr(self, key) is not None}
-        if given not in ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}):
+        present = {key for key in keys if getattr(self, key) is not None}
+        if present not in ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}):
             raise UserError(
                 "give the footprint as x and y ranges, as center and size, as center and radius,"
-                f" or as polygon; found {', '.join(sorted(given)) or 'none of them'}"
+                f" or as polygon; found {', '.join(sorted(present)) or 'none of them'}"
             )
         if self.holes and self.polygon is None:
             raise UserError("only a polygon has holes")

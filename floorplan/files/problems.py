@@ -184,18 +184,18 @@ def misfits(error: ValidationError, form: type, data: object) -> list[Fault]:
     `form` is a pydantic model or a dataclass. For unions, the faults are those of the most similar
     option.
     """
-    found = [
+    errors = [
         (_place(one["loc"], data, one["type"] in MISSING), dict(one))
         for one in error.errors(include_url=False)[:MOST_MISFITS]
     ]
-    above = {place[:k] for place, _ in found for k in range(len(place))}
-    nearer = above | {place for place, one in found if one["type"] not in FORMS}
+    above = {place[:k] for place, _ in errors for k in range(len(place))}
+    nearer = above | {place for place, one in errors if one["type"] not in FORMS}
     others: dict[Place, list[str]] = {}
-    for place, one in found:
+    for place, one in errors:
         if one["type"] in FORMS and place not in nearer:
             others.setdefault(place, []).append(_expected(one))
     faults: dict[Fault, None] = {}
-    for place, one in found:
+    for place, one in errors:
         if one["type"] == "value_error" and place in above:
             continue  # because a misspelt key also breaks rules about several keys
         if one["type"] not in FORMS:
@@ -236,8 +236,8 @@ def _message(misfit: dict[str, Any], form: type) -> str:
         return "is missing"
     if kind in UNKNOWN:
         *above, key = misfit["loc"]
-        known = keys_below(form, above)
-        return f"unknown key; {suggestion(str(key), known)}" if known else "unknown key"
+        names = keys_below(form, above)
+        return f"unknown key; {suggestion(str(key), names)}" if names else "unknown key"
     if kind == "value_error":
         return str(misfit["ctx"]["error"])
     if kind in EXPECTED:
@@ -254,10 +254,10 @@ def _wrong_form(misfit: dict[str, Any], forms: Iterable[str]) -> str:
     """Return the message about a value of a wrong type."""
     *others, last = dict.fromkeys(forms)
     message = f"expected {', '.join(others)} or {last}" if others else f"expected {last}"
-    found = misfit["input"]
-    if last == EXPECTED["float_type"] and isinstance(found, str) and EXPONENT.fullmatch(found):
+    value = misfit["input"]
+    if last == EXPECTED["float_type"] and isinstance(value, str) and EXPONENT.fullmatch(value):
         message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
-    if last == EXPECTED["string_type"] and isinstance(found, bool):
+    if last == EXPECTED["string_type"] and isinstance(value, bool):
         message += " (to YAML yes, no, on and off are true or false: put them in quotes)"
     hint = misfit.get("ctx", {}).get("hint")
-    return f"{message}, found {shown(found)}" + (f"; give {hint}" if hint else "")
+    return f"{message}, found {shown(value)}" + (f"; give {hint}" if hint else "")

@@ -95,8 +95,8 @@ class NamedField(Generic[Thing]):
     def __get__(self, value: object, owner: type | None = None) -> Named[Thing]:
         if value is None:
             return Named()  # the field's default
-        held: Named[Thing] = vars(value)[self._name]
-        return held
+        named: Named[Thing] = vars(value)[self._name]
+        return named
 
     def __set__(self, value: object, things: Sequence[Thing]) -> None:
         # `check` rejects other types with the name of the field.

@@ -123,10 +123,10 @@ def enclosed(lines: Sequence[Floats], snap: float | None) -> tuple[list[Polygon]
     corners[ends] = places
     met = shapely.linestrings(corners, indices=of)
     first = _first_of_each(met)
-    kept = met[np.array([*first.values()], int)]
+    distinct = met[np.array([*first.values()], int)]
     # Cuts are lines with the same area on both sides, and dangles have a loose end. Both enclose no
     # area.
-    faces, cuts, dangles, _ = shapely.polygonize_full(kept)
+    faces, cuts, dangles, _ = shapely.polygonize_full(distinct)
     areas = shapely.polygons(shapely.get_exterior_ring(shapely.get_parts(faces)))
     order = np.lexsort(shapely.bounds(areas).T[::-1])  # by west, south, east and north
     loose = [first[key] for key in _keys(shapely.get_parts([cuts, dangles]))]
@@ -246,7 +246,7 @@ def _loose(loose: list[int], lines: list[int], places: Floats) -> list[Loose]:
     distinct, which, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
     row = {line: k for k, line in enumerate(lines)}
     which = which.reshape(-1, 2)
-    found = []
+    loose_lines = []
     gaps = np.zeros(len(distinct))
     alone = np.flatnonzero(count == 1)
     if len(alone) and len(distinct) > 1:
@@ -258,8 +258,8 @@ def _loose(loose: list[int], lines: list[int], places: Floats) -> list[Loose]:
     for index in loose:
         place = max(which[row[index]], key=lambda place: gaps[place])
         end, gap = distinct[place].tolist(), float(gaps[place])
-        found.append(Loose(index, (end[0], end[1]), gap or None))
-    return found
+        loose_lines.append(Loose(index, (end[0], end[1]), gap or None))
+    return loose_lines
 
 
 Name = Callable[[], str]
@@ -292,12 +292,12 @@ class Polyline:
 
 @dataclass(frozen=True, slots=True)
 class Unread:
-    """Entity that is no shape, the reason, and whether its layer is read."""
+    """Entity that is no shape, the reason, and whether this is a problem or a notice."""
 
     layer: str
     name: Name
     why: str
-    wanted: bool = True
+    is_problem: bool = True
 
 
 Shape: TypeAlias = Polyline | Unread
@@ -352,9 +352,9 @@ def hatched(layer: str, name: Name, outlines: Sequence[Floats]) -> Iterator[Shap
 Heights = tuple[float, float]
 
 
-def place_of(found: Shape) -> str:
+def place_of(shape: Shape) -> str:
     """Return the place of a shape in the drawing."""
-    return f"layer {found.layer!r}, {found.name()}"
+    return f"layer {shape.layer!r}, {shape.name()}"
 
 
 _FILLED = "its inside is filled, too, unless its group is `hollow`"
@@ -403,12 +403,12 @@ def areas_in(
         else:
             yield area(polygon, at)
     for at, loose_lines in lines.items():
-        found, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
-        levels.setdefault(at, []).extend(found)
+        areas, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
+        levels.setdefault(at, []).extend(areas)
         for one in loose:
             yield Problem(_open(one), place_of(loose_lines[one.index]))
-    for at, found in levels.items():
-        for polygon in opened(found) if group.hollow else found:
+    for at, areas in levels.items():
+        for polygon in opened(areas) if group.hollow else areas:
             yield area(polygon, at)
     pieces, of = pieces_of([area for _, area in filled])
     for piece, k in zip(pieces, of.tolist(), strict=True):
@@ -454,12 +454,12 @@ def boundary_problems(
         of = "on the layer" if drawn.groups is None else "in the group of `layers`"
         message = f"expected one outline {of} {BOUNDARY!r}, found {count} (layers with outlines:"
         return [Problem(f"{message} {groups})")]
-    known = ", ".join(map(repr, sorted(layers))) or "none"
+    names = ", ".join(map(repr, sorted(layers))) or "none"
     if drawn.groups is None:
-        message = f"no layer is called {BOUNDARY!r}; the layers are {known}; choose from them with"
+        message = f"no layer is called {BOUNDARY!r}; the layers are {names}; choose from them with"
         message = f"{message} `layers` in a YAML floor that has this drawing as its `base`"
     else:
-        message = f"no layer is in a group {BOUNDARY!r} of `layers`; the layers are {known};"
+        message = f"no layer is in a group {BOUNDARY!r} of `layers`; the layers are {names};"
         message = f"{message} add this group or a `boundary`"
     if len(problems) > MOST_DETAILS:
         message = f"{message}. There are {len(problems):,} more problems, such as:"
@@ -487,11 +487,11 @@ def numbered(areas: list[Obstacle]) -> tuple[Obstacle, ...]:
     several = Counter(area.name for area in areas)
     numbers = {group: itertools.count(1) for group in several}
     taken = {group for group, count in several.items() if count == 1}
-    found = []
+    obstacles = []
     for area in areas:
         if several[area.name] > 1:
             names = (f"{area.name}{k}" for k in numbers[area.name])
             area = replace(area, name=next(one for one in names if one not in taken))
             taken.add(area.name)
-        found.append(area)
-    return tuple(found)
+        obstacles.append(area)
+    return tuple(obstacles)

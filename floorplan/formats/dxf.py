@@ -126,8 +126,8 @@ def _kept(codes: list[int], values: list[str]) -> tuple[list[int], list[str]]:
     these numbers.
     """
     if _COMMENT in codes:
-        kept = [k for k, code in enumerate(codes) if code != _COMMENT]
-        codes, values = [codes[k] for k in kept], [values[k] for k in kept]
+        indices = [k for k, code in enumerate(codes) if code != _COMMENT]
+        codes, values = [codes[k] for k in indices], [values[k] for k in indices]
     begins = [k for k, code in enumerate(codes) if code == _ENTITY]
     read: tuple[list[int], list[str]] = [], []
     for begin, end in zip(begins, [*begins[1:], len(codes)], strict=True):
@@ -165,8 +165,8 @@ class _Entity:
     def __init__(self, entity: Any) -> None:
         self.entity = entity
         self.kind: str = entity.dxftype()
-        known = entity.dxf.is_supported("layer")  # kinds that ezdxf does not know have none
-        self.layer = str(entity.dxf.get("layer", "0")) if known else "0"
+        has_layer = entity.dxf.is_supported("layer")  # kinds that ezdxf does not know have none
+        self.layer = str(entity.dxf.get("layer", "0")) if has_layer else "0"
         self._drawn: dict[float, tuple[list[Floats], shapely.Geometry | None]] = {}
 
     @cached_property
@@ -409,17 +409,17 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     unread: list[Unread] = []
     try:
         with np.errstate(all="ignore"):  # invalid numbers are rejected below
-            for found in reader.shapes():
-                if isinstance(found, Polyline):
-                    shapes.setdefault(str(reader.group_of(found.layer)), []).append(found)
+            for shape in reader.shapes():
+                if isinstance(shape, Polyline):
+                    shapes.setdefault(str(reader.group_of(shape.layer)), []).append(shape)
                 else:
-                    unread.append(found)
+                    unread.append(shape)
     except DAMAGED as why:
         raise FloorplanError.of(path, f"has a damaged entity: {why}") from None
-    problems = [Problem(one.why, place_of(one)) for one in unread if one.wanted]
+    problems = [Problem(one.why, place_of(one)) for one in unread if one.is_problem]
     areas: list[Obstacle] = []
-    for name, held in shapes.items():
-        for area in areas_in(name, held, drawn):
+    for name, polylines in shapes.items():
+        for area in areas_in(name, polylines, drawn):
             if isinstance(area, Obstacle):
                 areas.append(area)
             elif isinstance(area, Unread):
@@ -439,7 +439,9 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     )
     if drawn.boundary is None:
         notices += size_notices(plan, unit)
-    return replace(plan, notices=(*notices, *notices_of(one for one in unread if not one.wanted)))
+    return replace(
+        plan, notices=(*notices, *notices_of(one for one in unread if not one.is_problem))
+    )
 
 
 def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) -> tuple[float, str]:

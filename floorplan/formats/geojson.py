@@ -98,13 +98,13 @@ def load_geojson(path: Path, drawn: Drawn) -> Floorplan:
             raise FloorplanError.of(file, "features: expected a list of features")
         return _collection(features, file, drawn, in_metres)
     geometry = data.get("geometry") if data.get("type") == "Feature" else data
-    found = _geometry(geometry, drawn)
-    if isinstance(found, str):
-        raise FloorplanError.of(file, found)
-    if not in_metres and _may_be_degrees(shapely.get_coordinates(found)):
+    area = _geometry(geometry, drawn)
+    if isinstance(area, str):
+        raise FloorplanError.of(file, area)
+    if not in_metres and _may_be_degrees(shapely.get_coordinates(area)):
         raise FloorplanError.of(file, _NO_CRS)
     source = f"{Path(file).name} (GeoJSON)"
-    return Floorplan.of_area(Path(file).stem, source, joined(found, file))
+    return Floorplan.of_area(Path(file).stem, source, joined(area, file))
 
 
 _NO_CRS = (
@@ -125,11 +125,11 @@ def _collection(features: list[Any], file: str, drawn: Drawn, in_metres: bool) -
         if not isinstance(feature, dict) or feature.get("type") != "Feature":
             parts.problems.append(Problem("expected a feature", place))
             continue
-        given = feature.get("properties") or {}
+        values = feature.get("properties") or {}
         try:
-            properties = Properties.model_validate(given)
+            properties = Properties.model_validate(values)
         except ValidationError as wrong:
-            for message, at in misfits(wrong, Properties, given):
+            for message, at in misfits(wrong, Properties, values):
                 inner = f"{place}.properties.{field_name(at)}"
                 parts.problems.append(Problem(message, inner))
             continue
@@ -141,8 +141,8 @@ def _collection(features: list[Any], file: str, drawn: Drawn, in_metres: bool) -
     parts.problems += drawn.unmatched(layers)
     count = len(parts.boundary)
     if drawn.boundary is None and count != 1 and not (parts.problems and parts.bounding):
-        known = f" (the layers are {', '.join(sorted(layers))})" if layers else ""
-        message = f"expected one polygon of the kind (or layer) {BOUNDARY!r}, found {count}{known}"
+        names = f" (the layers are {', '.join(sorted(layers))})" if layers else ""
+        message = f"expected one polygon of the kind (or layer) {BOUNDARY!r}, found {count}{names}"
         parts.problems = [Problem(message), *parts.problems[: None if count else MOST_DETAILS]]
     if not in_metres and _may_be_degrees(np.concatenate([*parts.corners, np.empty((0, 2))])):
         parts.problems.insert(0, Problem(_NO_CRS))
@@ -175,8 +175,8 @@ def _feature(
             return None
         kind = BOUNDARY if group == BOUNDARY else "obstacle"
     if kind not in KINDS:
-        found = "neither kind nor layer" if kind is None else f"the kind {kind!r}"
-        return f"has {found}; the kinds are {', '.join(KINDS)}"
+        kind_text = "neither kind nor layer" if kind is None else f"the kind {kind!r}"
+        return f"has {kind_text}; the kinds are {', '.join(KINDS)}"
     parts.bounding += kind == BOUNDARY
     shape = _geometry(geometry, drawn)
     if isinstance(shape, str):

@@ -143,12 +143,12 @@ def _cells(text: str, file: str) -> NDArray[np.bool_]:
     problems = []
     if len(rows) != height:
         problems.append(Problem(f"has {len(rows):,} rows of cells; its height is {height:,}"))
-    known = re.compile(f"[^{FLOOR}{BLOCKED}]")
+    unknown = re.compile(f"[^{FLOOR}{BLOCKED}]")
     for number, row in enumerate(rows[:height], start=len(_HEADER) + 1):
         if len(row) != width:
             message = f"has {len(row):,} cells; the width is {width:,}"
             problems.append(Problem(message, line=number))
-        elif odd := known.search(row):
+        elif odd := unknown.search(row):
             message = f"{shown(odd[0])} is no cell (floor: {' '.join(FLOOR)}; not: @ O T W)"
             problems.append(Problem(message, line=number))
     if problems:
@@ -159,14 +159,14 @@ def _cells(text: str, file: str) -> NDArray[np.bool_]:
 
 def _size(lines: Sequence[str], file: str) -> tuple[int, int]:
     """Return height and width in cells from the header."""
-    found: list[str] = []
+    figures: list[str] = []
     for number, (pattern, words) in enumerate(_HEADER, start=1):
         line = lines[number - 1].strip() if number <= len(lines) else ""
         match = re.fullmatch(pattern, line)
         if match is None:
             raise FloorplanError.of(file, f"expected {words}, found {shown(line)}", line=number)
-        found += match.groups()
-    height, width = (int(figure) for figure in found)
+        figures += match.groups()
+    height, width = (int(figure) for figure in figures)
     if not height or not width:
         raise FloorplanError.of(file, f"has no cells: it is {width} wide and {height} high")
     if height * width > _MOST_CELLS:

@@ -85,12 +85,12 @@ def _plain_numbers(body: bytes, count: int, top: int, path: Path) -> NDArray[np.
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", DeprecationWarning)  # end of the numbers for older NumPy
-            found = np.fromstring(body, float, count, sep=" ") if body.strip() else np.empty(0)
+            numbers = np.fromstring(body, float, count, sep=" ") if body.strip() else np.empty(0)
     except (DeprecationWarning, ValueError):
         raise FloorplanError.of(path, "is not a PGM image: something in it is no number") from None
-    if not ((found >= 0) & (found <= top)).all():
+    if not ((numbers >= 0) & (numbers <= top)).all():
         raise FloorplanError.of(path, f"is not a PGM image: a number in it is not from 0 to {top}")
-    return found.astype(np.uint16)
+    return numbers.astype(np.uint16)
 
 
 def _read_other(data: bytes, path: Path) -> GreyImage:
@@ -188,8 +188,8 @@ def _polygons(shells: Rings, holes: Rings) -> NDArray[np.object_]:
     owner = around[inner_first][first]
     by_owner = np.argsort(owner, kind="stable")
     owners, begin = np.unique(owner[by_owner], return_index=True)
-    for shell, held in zip(owners, np.split(holes[by_owner], begin[1:]), strict=False):
-        polygons[shell] = shapely.polygons(shells[shell], held)
+    for shell, rings in zip(owners, np.split(holes[by_owner], begin[1:]), strict=False):
+        polygons[shell] = shapely.polygons(shells[shell], rings)
     return polygons
 
 

@@ -121,7 +121,7 @@ def mask_zones(path: Path, name: str, rule: MaskKeys) -> Iterator[Zone]:
     limits = {100: rule.rule["max_speed"]}
     if rule.multiplier is not None:
         limits = {k: rule.base + rule.multiplier * k for k in np.unique(values).tolist() if k > 0}
-    found: list[tuple[float | None, Polygon]] = []
+    areas: list[tuple[float | None, Polygon]] = []
     for value, limit in limits.items():
         if limit is not None and limit < SMALLEST:
             message = (
@@ -129,13 +129,13 @@ def mask_zones(path: Path, name: str, rule: MaskKeys) -> Iterator[Zone]:
             )
             raise FloorplanError.of(path, message)
         pieces = shapely.get_parts(trace(values == value, TOLERANCE))
-        found += [(limit, _in_metres(piece, len(values), schema)) for piece in pieces]
-    if not 0 < len(found) <= MOST_ZONES:
-        message = f"{schema.image} has {len(found):,} zones, expected 1 to {MOST_ZONES:,}"
+        areas += [(limit, _in_metres(piece, len(values), schema)) for piece in pieces]
+    if not 0 < len(areas) <= MOST_ZONES:
+        message = f"{schema.image} has {len(areas):,} zones, expected 1 to {MOST_ZONES:,}"
         raise FloorplanError.of(path, message)
-    for k, (limit, area) in enumerate(found, start=1):
+    for k, (limit, area) in enumerate(areas, start=1):
         own = {"max_speed": limit, "forbidden": limit is None}
-        called = name if len(found) == 1 else f"{name}{k}"
+        called = name if len(areas) == 1 else f"{name}{k}"
         yield Zone(name=called, area=area, **rule.rule | own)
 
 

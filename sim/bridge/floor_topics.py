@@ -3,41 +3,29 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from functools import partial
 
 from ..cell import Cell, CellCommand, CellTask, Pose, Scan, Signal, Velocity
-from ..machines.amr.amr import Amr
+from ..cell.names import plain, prefix_of
 from .exchange import Exchange, Topic, Values, take
 from .messages import about_z, seconds, vector
 
 STRING, GOAL = "std_msgs/String", "geometry_msgs/PoseStamped"
 
 
-def plain(name: str) -> str:
-    """Return a name as ROS allows it."""
-    text = re.sub(r"\W", "_", name, flags=re.ASCII)
-    return text if text[:1].isalpha() else f"body_{text}"
-
-
 class FloorTopics:
-    """Publishes poses, scans and states, and starts tasks at goals that clients publish.
-
-    The topics of a body begin with its name. Those of a single vehicle that drives freely do not.
-    """
+    """Publishes poses, scans and states, and starts tasks at goals that clients publish."""
 
     def __init__(self, cell: Cell, exchange: Exchange) -> None:
         self._cell = cell
         self._exchange = exchange
-        machines = cell.simulation.machines
-        free = [name for name, machine in machines.items() if isinstance(machine, Amr)]
         self._odometry: list[tuple[Topic, str, Signal, Signal]] = []
         self._scans: list[tuple[Topic, str, Signal]] = []
         self._people = exchange.advertise("/people_poses", "geometry_msgs/PoseArray")
-        for body in (*(f"machines/{n}" for n in machines), *self._names_of_people()):
-            name = body.partition("/")[2]
-            prefix = "/" if [name] == free else f"/{plain(name)}/"
+        machines = (f"machines/{name}" for name in cell.simulation.machines)
+        for body in (*machines, *self._names_of_people()):
+            prefix = f"/{prefix_of(cell.simulation, body.partition('/')[2])}"
             self._add_signals(body, prefix)
             self._add_inputs(body, prefix)
 

@@ -4,20 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from typing import Any
 
-from floorplan import Gantry
-from navigation import Motion
-from navigation.motion import State
-
-from ..cell import Cell
-from ..cell.trajectories import (
-    JointPoint,
-    JointTrajectory,
-    TrajectoryError as TrajectoryError,
-    motion_along,
-    target_in,
-)
+from ..cell import Cell, JointPoint, JointTrajectory
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
 from .client import Client
@@ -36,18 +24,6 @@ def trajectory_of(message: Values) -> JointTrajectory:
         for point in message["points"]
     ]
     return JointTrajectory(tuple(message["joint_names"]), tuple(points))
-
-
-def target_of(gantry: Gantry, message: dict[str, Any]) -> tuple[float, float, float] | None:
-    """Return the target (x, y, rotation) of a message with one point without a time, or None."""
-    return target_in(gantry, trajectory_of(message))
-
-
-def trajectory_motion(
-    gantry: Gantry, current: State, now: float, message: dict[str, Any]
-) -> Motion:
-    """Return the motion along a trajectory message. See `motion_along`."""
-    return motion_along(gantry, current, now, trajectory_of(message))
 
 
 TRAJECTORY = "/gantry_controller/joint_trajectory"

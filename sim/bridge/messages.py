@@ -17,7 +17,7 @@ from floorplan.files.problems import suggestion
 from navigation.machines import lane_state
 from navigation.motion import State
 
-from ..cell.trajectories import JOINTS, joint_values, pose_of as pose_of
+from ..cell.trajectories import JOINTS, joint_values
 from ..core.body import Body
 from ..orders.workload import AssemblyTask, KittingTask, Order, PartType
 

@@ -18,6 +18,7 @@ from websockets.frames import DATA_OPCODES, Frame
 from websockets.http11 import Request, Response
 from websockets.protocol import State
 
+from ..cell.admission import Notices
 from ..live.page_server import Origins
 from .client import Client
 from .exchange import Exchange
@@ -135,9 +136,6 @@ _EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 _LONGEST_SHOWN = 100
 """Characters of an origin in a notice."""
 
-_MOST_NOTICES = 20
-"""Number of notices about rejected or disconnected clients."""
-
 _PING_EVERY = 20.0
 """Seconds between pings, and until a client without an answer counts as gone."""
 
@@ -188,8 +186,7 @@ class RosbridgeServer:
         self._failed = failed
         self._origins = origins or Origins()
         self._ledger = ledger or Ledger()
-        self._notice = notice
-        self._said: set[str] = set()
+        self._notices = Notices(notice)
         self._is_closed = False
         self._slow: set[Client] = set()
         self._numbers = itertools.count(1)
@@ -271,7 +268,7 @@ class RosbridgeServer:
         for origin in request.headers.get_all("Origin"):
             if not self._origins.trust(origin, host):
                 page = f"web page of {origin[:_LONGEST_SHOWN]!a}"
-                self._notice_once(f"a {page} was rejected; allow it with --origin")
+                self._notices.add(f"a {page} was rejected; allow it with --origin")
                 return connection.respond(403, f"a {page} is not allowed here\n")
         return None
 
@@ -279,18 +276,13 @@ class RosbridgeServer:
         """Report once that there is no room for another client, which asyncio repeats."""
         why = context.get("exception")
         if "socket" in context and isinstance(why, OSError) and why.errno in _EXHAUSTED:
-            self._notice_once(f"no more clients are accepted for now: {why.strerror}")
+            self._notices.add(f"no more clients are accepted for now: {why.strerror}")
         elif self._is_closed and "_start_serving" in context.get("message", ""):
             pass  # asyncio tries to accept clients at a closed socket
         elif self._pass_on is not None:
             self._pass_on(loop, context)
         else:
             loop.default_exception_handler(context)
-
-    def _notice_once(self, text: str) -> None:
-        if text not in self._said and len(self._said) < _MOST_NOTICES:
-            self._said.add(text)
-            self._notice(text)
 
     async def _attend(self, connection: ServerConnection) -> None:
         assert isinstance(connection, Incoming)  # as `open` has it
@@ -306,7 +298,7 @@ class RosbridgeServer:
         def let_go(why: str) -> None:
             client.clear()
             self._exchange.forget(client)
-            self._notice_once(f"a client was disconnected: {why}")
+            self._notices.add(f"a client was disconnected: {why}")
             connection.dismiss(why)
 
         connection.account.let_go = let_go

@@ -190,6 +190,7 @@ class Session:
             if self._failure is not None:
                 raise self._failure
             self._pace.check()
+            self._workcell.cell.update()
             self._workcell.publish()
             self._workcell.enter(ENDED)
         finally:

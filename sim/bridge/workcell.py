@@ -120,13 +120,6 @@ class Workcell:
         """Simulated time in seconds."""
         return self.cell.now
 
-    def advance(self, until: float) -> None:
-        """Advance to a time in seconds, or to the next decision of an external person."""
-        while self.now < until and not self.cell.pace.over:
-            if self.cell.pace.advance(until):
-                return
-        self.cell.pace.check()
-
     def publish(self) -> None:
         """Publish the present state, once at each time."""
         exchange, simulation, now = self._exchange, self.simulation, self.now

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
 from floorplan import UserError
 from floorplan.files.fields import LARGEST
+from navigation import PlanningError
 
 from ..simulation import Simulation
 from .values import Pose
@@ -19,9 +21,6 @@ MOST_COMMANDS = 300
 
 PERIOD = 0.5
 """Seconds of simulated time."""
-
-MOST_NOTICES = 20
-"""Number of different notices about rejected values."""
 
 LONGEST_SHOWN = 80
 """Characters of a value in a message."""
@@ -54,6 +53,26 @@ class Rejected(UserError):  # noqa: N818 (what a client reads)
         return Rejected(name, self.value, self.reason)
 
 
+class Notices:
+    """Passes lines on to the user: one of each kind, and at most `MOST`."""
+
+    MOST = 20
+
+    def __init__(self, notice: Callable[[str], None]) -> None:
+        self._notice = notice
+        self._kinds: set[Hashable] = set()
+
+    def add(self, line: str, kind: Hashable = None) -> None:
+        """Pass a line on, unless it or another line of its kind was passed on before."""
+        kind = kind or line
+        if kind not in self._kinds and len(self._kinds) < self.MOST:
+            self._kinds.add(kind)
+            self._notice(line)
+
+
+Outcome = TypeVar("Outcome")
+
+
 class Admission:
     """Admits values of commands and goals of tasks.
 
@@ -66,8 +85,7 @@ class Admission:
         """Brings simulated time up to date, so that a value takes effect when it arrives."""
         self.is_open: Callable[[], bool] = lambda: not simulation.over
         self._clock = simulation.clock
-        self._notice = notice
-        self._noticed: set[tuple[str, str]] = set()
+        self._notices = Notices(notice)
         self._counts: dict[str, tuple[int, int]] = {}
         self._sources: dict[str, tuple[str, float]] = {}
 
@@ -108,20 +126,26 @@ class Admission:
     def rejected(self, name: str, value: object, reason: str) -> Rejected:
         """Return the error for a value, and notify the user once for each name and reason."""
         why = Rejected(name, value, reason)
-        self._report(name, reason.partition(" at t = ")[0], str(why))
+        self._notices.add(str(why), (name, reason.partition(" at t = ")[0]))
         return why
+
+    def carry_out(
+        self, name: str, value: Any, source: str, action: Callable[[Any], Outcome]
+    ) -> Outcome:
+        """Admit a value and carry it out. `Rejected` if that is impossible."""
+        self.admit(name, value, source)
+        try:
+            return action(value)
+        except (ValueError, TypeError, PlanningError) as why:
+            reason = why.message if isinstance(why, PlanningError) else str(why)
+            raise self.rejected(name, value, reason) from why
 
     def _check_source(self, name: str, source: str) -> None:
         before, at = self._sources.get(name, (source, 0.0))
         self._sources[name] = source, self._clock.now
         if source and before and source != before and self._clock.now - at <= RECENT:
             text = f"{name} is commanded by {before} and {source}; the last one counts"
-            self._report(name, "sources", text)
-
-    def _report(self, name: str, kind: str, text: str) -> None:
-        if (name, kind) not in self._noticed and len(self._noticed) < MOST_NOTICES:
-            self._noticed.add((name, kind))
-            self._notice(text)
+            self._notices.add(text, (name, "sources"))
 
 
 def _numbers(value: object) -> Iterator[float]:

@@ -11,7 +11,7 @@ from .commands import CellCommand, commands_of
 from .journeys import journeys_of
 from .pace import Pace
 from .signals import Signal, signals_of
-from .tasks import REPLACED, CellTask, Running
+from .tasks import OVER, REPLACED, CellTask, Running
 
 
 class Cell:
@@ -113,6 +113,8 @@ class Cell:
                 self.signals[f"people/{name}/percept"].send(percept.functor)
         for body, running in tuple(self._running.items()):
             running.update()
+            if self.pace.over:
+                running.end(OVER)
             if running.ended and self._running.get(body) is running:
                 del self._running[body]
         for signal in self._states:

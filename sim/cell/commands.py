@@ -8,7 +8,6 @@ from typing import Any
 
 import bdi
 from floorplan import UserError
-from navigation import PlanningError
 from navigation.vehicles import Twist
 
 from ..core.body import Machine, is_there
@@ -64,11 +63,7 @@ class CellCommand:
         Rejected
             If the value must not enter, or is impossible now.
         """
-        self._admission.admit(self.name, value, source)
-        try:
-            self._carry_out(value)
-        except (ValueError, TypeError, PlanningError) as why:
-            raise self._admission.rejected(self.name, value, str(why)) from why
+        self._admission.carry_out(self.name, value, source, self._carry_out)
 
 
 def commands_of(

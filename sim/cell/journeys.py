@@ -10,7 +10,6 @@ from typing import Any
 from simpy.events import Event as Occurrence
 
 from floorplan import Lane, UserError
-from navigation.machines import lane_state
 
 from ..core.body import is_there
 from ..core.clock import then
@@ -19,7 +18,7 @@ from ..machines.agv.agv import Agv
 from ..machines.commanded import CommandedMachine
 from ..machines.gantry.robot import GantryRobot
 from ..simulation import Simulation
-from .people import PersonProgress, PersonRoute
+from .people import PersonRoute
 from .tasks import REPLACED, SUCCEEDED, Journey, required_targets, simplified
 from .trajectories import JointTrajectory, follow
 from .values import Pose, Target, target_of
@@ -37,23 +36,21 @@ def journeys_of(simulation: Simulation) -> Iterator[tuple[str, Callable[[Any], J
     for machine in simulation.machines.values():
         name = f"machines/{machine.name}"
         if isinstance(machine, CommandedMachine):
-            yield from _driving(name, partial(MachineJourney, machine))
+            read = partial(on_lane, machine.lane) if isinstance(machine, Agv) else target_of
+            yield from _driving(name, partial(MachineJourney, machine), read)
         if isinstance(machine, GantryRobot):
             yield f"{name}/trajectory", partial(TrajectoryJourney, machine)
-        if isinstance(machine, Agv):
-            yield f"{name}/go_to", partial(LaneJourney, machine)
 
 
 def _driving(
-    name: str, journey: Callable[[Sequence[Target]], Journey]
+    name: str,
+    journey: Callable[[Sequence[Target]], Journey],
+    read: Callable[[Any], Target] = target_of,
 ) -> Iterator[tuple[str, Callable[[Any], Journey]]]:
-    """Yield the tasks of a person or machine that can move freely."""
-    yield f"{name}/go_to", lambda goal: journey([target_of(goal)])
-    yield f"{name}/go_through", lambda goal: journey([*map(target_of, required_targets(goal))])
-    yield (
-        f"{name}/follow",
-        lambda goal: journey(simplified([*map(target_of, required_targets(goal))])),
-    )
+    """Yield the tasks of a person or machine. `read` returns the target of a pose."""
+    yield f"{name}/go_to", lambda goal: journey([read(goal)])
+    yield f"{name}/go_through", lambda goal: journey([*map(read, required_targets(goal))])
+    yield f"{name}/follow", lambda goal: journey(simplified([*map(read, required_targets(goal))]))
 
 
 class MachineJourney(Journey):
@@ -101,55 +98,21 @@ class TrajectoryJourney(MachineJourney):
         then(end, partial(self._has_ended, self.left[0]))
 
 
-class LaneJourney(Journey):
-    """Drive of an AGV to a location or position of its lane."""
-
-    def __init__(self, agv: Agv, to: str | float | Pose) -> None:
-        if isinstance(to, Pose):
-            to = _on_lane(agv.lane, to)
-        locations = agv.lane.locations
-        low, high = agv.lane.limits
-        if isinstance(to, str) and to not in locations:
-            raise UserError(f"{agv.name} has the locations {', '.join(locations)}")
-        if not isinstance(to, str) and not low <= to <= high:
-            raise UserError(f"the lane of {agv.name} is from {low:g} to {high:g} m")
-        self.body = agv.body
-        self._agv = agv
-        self._to = to
-        self._at = agv.lane.lane_position(to)
-        self.left = [agv.lane.position(self._at)]
-
-    def begin(self) -> None:
-        """Set out."""
-        self._agv.drive(self._to)
-
-    def outcome(self) -> str:
-        """Return the outcome once the AGV is at rest without a target."""
-        if not self._agv.stands:
-            return ""
-        return SUCCEEDED if abs(self._agv.lane_position - self._at) < NEAR else REPLACED
-
-    def stop(self) -> None:
-        """Stop on the lane, as near as possible."""
-        agv, lane = self._agv, self._agv.lane
-        motion = agv.stopping(agv.body.state, agv.body.clock.now)
-        low, high = lane.limits
-        agv.drive(min(max(lane_state(lane, motion.state(motion.end)).position, low), high))
-
-
 ASIDE = 0.5
 """Distance in metres of a goal from the lane of an AGV."""
 
 
-def _on_lane(lane: Lane, pose: Pose) -> float:
-    """Return the position on a lane (m) of a pose. `ValueError` if it is elsewhere."""
-    (ax, ay), (bx, by) = lane.position(lane.limits[0]), lane.position(lane.limits[1])
-    length = math.dist((ax, ay), (bx, by))
-    along = ((pose.x - ax) * (bx - ax) + (pose.y - ay) * (by - ay)) / length
-    position = lane.limits[0] + min(max(along, 0.0), length)
-    if math.dist(lane.position(position), (pose.x, pose.y)) > ASIDE:
+def on_lane(lane: Lane, goal: str | float | Pose | Sequence[float]) -> Target:
+    """Return the point on a lane of a location, a lane position (m) or a pose near the lane."""
+    if isinstance(goal, str | float | int):
+        return lane.position(lane.lane_position(goal))
+    at = target_of(goal)[:2]
+    (x, y), (c, s), (low, high) = lane.origin, lane.direction, lane.limits
+    along = (at[0] - x) * c + (at[1] - y) * s
+    point = lane.position(min(max(along, low), high))
+    if math.dist(point, at) > ASIDE:
         raise UserError(f"must be within {ASIDE:g} m of the lane of {lane.name}")
-    return position
+    return point
 
 
 class PersonJourney(Journey):
@@ -161,21 +124,33 @@ class PersonJourney(Journey):
         self.body = route.person.body
         self.left = [*targets]
         self._route = route
-        self._progress = PersonProgress(route.person.name)
+        self._goal: list[float] | None = None
+        self._ended = ""
 
     def begin(self) -> None:
         """Set out for the next target."""
-        self._progress = PersonProgress(self._route.person.name)
+        self._goal, self._ended = None, ""
         self._route.go(self.left[0])
 
     def outcome(self) -> str:
         """Return the outcome, or continue with the next target."""
-        outcome = self._progress.outcome
-        return self.proceed() if outcome == SUCCEEDED else outcome
+        return self.proceed() if self._ended == SUCCEEDED else self._ended
 
     def see(self, event: Event) -> None:
         """Follow the events of the person."""
-        self._progress.see(event)
+        if event.get("person") != self._route.person.name or self._ended:
+            return
+        match event["kind"]:
+            case "goal" if self._goal is None:
+                self._goal = event["at"]
+            case "goal" if event["at"] != self._goal:
+                self._ended = "failed: another goal replaced it"
+            case "arrived" if self._goal is not None:
+                self._ended = SUCCEEDED
+            case "path_blocked" if self._goal is not None:
+                self._ended = f"failed: {event['message']}"
+            case "teleport" | "left":
+                self._ended = f"failed: {event['kind']}"
 
     def stop(self) -> None:
         """Stop the person."""

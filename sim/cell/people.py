@@ -10,7 +10,6 @@ import bdi
 from floorplan import Point, UserError
 
 from ..core.entries import Command
-from ..core.recorder import Event
 from ..people.minds import Outside
 from ..people.person import Person
 from ..simulation import Simulation
@@ -77,29 +76,3 @@ class PersonRoute:
             self.person.act(bdi.Literal("stop_movement"))
         else:
             self._simulation.command(Command(send=self.person.name, to=self.person.body.at))
-
-
-class PersonProgress:
-    """Outcome of one goal of a person, from the events after it."""
-
-    def __init__(self, person: str) -> None:
-        self.outcome = ""
-        """Result "succeeded" or "failed: why" once it has ended."""
-        self._person = person
-        self._goal: list[float] | None = None
-
-    def see(self, event: Event) -> None:
-        """Follow the events of the person."""
-        if event.get("person") != self._person or self.outcome:
-            return
-        match event["kind"]:
-            case "goal" if self._goal is None:
-                self._goal = event["at"]
-            case "goal" if event["at"] != self._goal:
-                self.outcome = "failed: another goal replaced it"
-            case "arrived" if self._goal is not None:
-                self.outcome = "succeeded"
-            case "path_blocked" if self._goal is not None:
-                self.outcome = f"failed: {event['message']}"
-            case "teleport" | "left":
-                self.outcome = f"failed: {event['kind']}"

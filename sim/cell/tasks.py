@@ -21,6 +21,8 @@ SUCCEEDED, CANCELLED = "succeeded", "cancelled"
 
 REPLACED = "failed: another goal or command replaced it"
 
+OVER = "failed: the run is over"
+
 SIMPLER = 0.05
 """Metres by which the waypoints of a person or machine may differ from a dense path."""
 
@@ -178,17 +180,16 @@ class CellTask:
         Rejected
             If the goal must not enter, or cannot be reached.
         """
-        self._admission.admit(self.name, goal, source)
-        self._refresh()
-        try:
-            journey = self._make(goal)
-            journey.begin()
-        except (ValueError, TypeError, PlanningError) as why:
-            reason = why.message if isinstance(why, PlanningError) else str(why)
-            raise self._admission.rejected(self.name, goal, reason) from why
+        journey = self._admission.carry_out(self.name, goal, source, self._set_out)
         running = Running(self.name, goal, journey, self._refresh)
         self._begun(self.name.rpartition("/")[0], running)
         return running
+
+    def _set_out(self, goal: Any) -> Journey:
+        self._refresh()
+        journey = self._make(goal)
+        journey.begin()
+        return journey
 
 
 def simplified(targets: Sequence[Target]) -> list[Target]:

@@ -122,7 +122,7 @@ def _knots(
         raise TrajectoryError("a trajectory without points")
     times: list[float] = [0.0]
     positions: list[JointValues] = [joint_values(gantry, current.position)]
-    given: list[JointValues | None] = [joint_values(gantry, current.velocity, origin=False)]
+    specified: list[JointValues | None] = [joint_values(gantry, current.velocity, origin=False)]
     for k, point in enumerate(points):
         time, at = point.time, _ordered("positions", point.positions, order, k)
         speeds = _ordered("velocities", point.velocities, order, k) if point.velocities else None
@@ -140,15 +140,15 @@ def _knots(
             raise TrajectoryError(f"points[{k}] comes at {time:g} s, not after {times[-1]:g} s")
         times.append(time)
         positions.append(at)
-        given.append(speeds)
+        specified.append(speeds)
     if len(times) == 1:
         raise TrajectoryError("a trajectory that ends where it begins")
-    if any(abs(v) > TOLERANCE for v in given[-1] or ()):
+    if any(abs(v) > TOLERANCE for v in specified[-1] or ()):
         raise TrajectoryError("it does not end at rest")
-    given[-1] = (0.0,) * len(JOINTS)
+    specified[-1] = (0.0,) * len(JOINTS)
     velocities = [
-        _towards_neighbours(times, positions, k) if known is None else known
-        for k, known in enumerate(given)
+        _towards_neighbours(times, positions, k) if velocity is None else velocity
+        for k, velocity in enumerate(specified)
     ]
     return times, positions, velocities
 

@@ -14,7 +14,7 @@ from .terminal import say, taken_by
 def ros2(
     trial: TrialName = "ariac2023",
     domain: Annotated[
-        int | None, typer.Option(min=0, help="Domain of ROS. By default $ROS_DOMAIN_ID.")
+        int | None, typer.Option(help="Domain of ROS. By default $ROS_DOMAIN_ID.")
     ] = None,
     namespace: Annotated[str, typer.Option(help="Namespace of topics and actions.")] = "",
     speed: Annotated[float, typer.Option(help="Simulated seconds per second.")] = 1.0,
@@ -51,7 +51,8 @@ def ros2(
                 notice=lambda line: say(line, err=True),
             )
     finally:
-        finished = simulation.finish()
-        recording.finish(finished)
+        if simulation.has_started:
+            finished = simulation.finish()
+            recording.finish(finished)
         recording.close()
     print_result(finished, recording.folder, interrupted=simulation.stopped)

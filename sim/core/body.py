@@ -237,8 +237,8 @@ class MachineShape:
 
     def __post_init__(self) -> None:
         if self.category not in get_args(Category):
-            known = " or ".join(get_args(Category))
-            raise ValueError(f"the category of a machine is {known}, not {self.category!r}")
+            categories = " or ".join(get_args(Category))
+            raise ValueError(f"the category of a machine is {categories}, not {self.category!r}")
 
     @cached_property
     def box(self) -> Box:
@@ -346,11 +346,11 @@ def checked(method: _Method) -> _Method:
     """Raise a `UserError` for calls of a method with missing or unknown arguments."""
 
     @wraps(method)
-    def called(one: Commandable, *given: Any, **terms: Any) -> Any:
+    def called(one: Commandable, *values: Any, **terms: Any) -> Any:
         try:
-            return method(one, *given, **terms)
+            return method(one, *values, **terms)
         except TypeError as why:
-            if fault := argument_fault(partial(method, one), terms, *given):
+            if fault := argument_fault(partial(method, one), terms, *values):
                 raise UserError(f"{one.name}.{method.__name__}: {fault}") from why
             raise
 
@@ -365,11 +365,11 @@ def commands(method: _Method) -> _Method:
     signature = inspect.signature(method)
 
     @wraps(method)
-    def commanded(one: Commandable, *given: Any, **terms: Any) -> Any:
+    def commanded(one: Commandable, *values: Any, **terms: Any) -> Any:
         if one.on_command is None or one.body.clock.inside:
-            return method(one, *given, **terms)
-        _, *arguments = signature.bind(one, *given, **terms).arguments.items()
-        carry_out = partial(method, one, *given, **terms)
+            return method(one, *values, **terms)
+        _, *arguments = signature.bind(one, *values, **terms).arguments.items()
+        carry_out = partial(method, one, *values, **terms)
         return one.on_command(method.__name__, dict(arguments), carry_out)
 
     vars(commanded)["is_command"] = True

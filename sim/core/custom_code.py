@@ -78,7 +78,7 @@ class CustomCode:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # shown at the import
                 tree = ast.parse(read_bytes(self.file, InputError), filename=str(self.file))
-            return {found.name: found for found in _defined(tree.body)}
+            return {definition.name: definition for definition in _defined(tree.body)}
         except InputError as why:
             raise self._fault(f"can't be read: {why}") from why
         except (SyntaxError, ValueError, RecursionError, MemoryError) as why:
@@ -103,14 +103,14 @@ class CustomCode:
             )
         if not self.attribute:
             return module
-        found = getattr(module, self.attribute, None)
-        if getattr(found, "__module__", None) != self.module:
+        definition = getattr(module, self.attribute, None)
+        if getattr(definition, "__module__", None) != self.module:
             raise self._fault(
-                f"is {found!r} once {self.file.name} is imported, which is not defined there"
+                f"is {definition!r} once {self.file.name} is imported, which is not defined there"
             )
-        if not self.kind.accepts(found):
+        if not self.kind.accepts(definition):
             raise self._fault(f"({self.file.name}, line {self.line}) is no {self.kind.words}")
-        return found
+        return definition
 
     def _fault(self, message: str) -> UserError:
         return _fault(self.kind, self.name, message)
@@ -137,17 +137,17 @@ class CodeFolder:
             )
         if not (colon and _is_name(attribute)):
             raise _fault(kind, name, "is not of the form package.module:name")
-        found = self._located(name, module, attribute, kind)
-        definitions = found.definitions()
+        code = self._located(name, module, attribute, kind)
+        definitions = code.definitions()
         if attribute not in definitions:
             hint = f"; {suggestion(attribute, definitions)}" if definitions else ""
             raise _fault(
                 kind,
                 name,
-                f"can't be found: {found.file.name} defines no class or function {attribute!r} at"
+                f"can't be found: {code.file.name} defines no class or function {attribute!r} at"
                 f" its top level{hint}",
             )
-        return replace(found, line=definitions[attribute].lineno)
+        return replace(code, line=definitions[attribute].lineno)
 
     def find_module(self, name: str, kind: Kind) -> CustomCode:
         """Return the module called `name` in the folder. Errors are as of `find`."""
@@ -178,14 +178,14 @@ def _fault(kind: Kind, name: str, message: str) -> UserError:
     return kind.error(f"the {kind.noun} {name!r} {message}")
 
 
-def argument_fault(found: Any, terms: Mapping[str, Any], *given: Any) -> str:
+def argument_fault(definition: Any, terms: Mapping[str, Any], *arguments: Any) -> str:
     """Return why a class or function cannot be called with these arguments, or an empty text."""
     try:
-        signature = inspect.signature(found)
+        signature = inspect.signature(definition)
     except (TypeError, ValueError):  # written in C
         return ""
     try:
-        signature.bind(*given, **terms)
+        signature.bind(*arguments, **terms)
     except TypeError as why:
         return f"{why}; it takes {signature}"
     return ""

@@ -93,8 +93,8 @@ class SignOff(Keyed):
         other : SignOff
             The other block.
         """
-        given = {one.name: getattr(self, one.name) for one in fields(self)}
-        return replace(other, **{name: value for name, value in given.items() if value})
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        return replace(other, **{name: value for name, value in values.items() if value})
 
 
 UNSIGNED = SignOff()

@@ -125,14 +125,14 @@ class EventKind:
     _here: ClassVar[Mapping[str, str]]
     """The name of each field in Python, by its name in recordings."""
 
-    _given: ClassVar[Mapping[str, Any]]
+    _defaults: ClassVar[Mapping[str, Any]]
     """The defaults of the fields that have one, by their names in Python."""
 
     def __init_subclass__(cls, kind: str = "") -> None:
         """Make the subclass a frozen dataclass, and register it under `kind`, or its own name."""
         kind = kind or kind_of(cls.__name__)
-        known = EVENT_KINDS.get(kind, cls)
-        if known.__module__ == __name__ != cls.__module__:
+        registered = EVENT_KINDS.get(kind, cls)
+        if registered.__module__ == __name__ != cls.__module__:
             raise TypeError(f"there is a kind of event {kind!r} already; take another name")
         # The methods of all kinds are below, and forms are found out when they are asked for:
         # making them for each takes most of the time that it takes to import this module.
@@ -147,7 +147,7 @@ class EventKind:
         cls.forms = cast(Any, _Forms())
         if cls._own:
             cls.forms  # noqa: B018 - refuses what is no form
-        cls._given = {
+        cls._defaults = {
             field.name: field.default
             for field in declared
             if field.default is not dataclasses.MISSING
@@ -156,14 +156,14 @@ class EventKind:
         cls.optional = frozenset(name.removesuffix("_") for name in optional)
         EVENT_KINDS[kind] = cls
 
-    def __init__(self, **given: Any) -> None:
+    def __init__(self, **fields: Any) -> None:
         """Set the fields."""
         values = vars(self)
-        values.update(self._given)
-        values.update(given)
+        values.update(self._defaults)
+        values.update(fields)
         if values.keys() != self.__dataclass_fields__.keys():  # type: ignore[attr-defined]
-            wanted = ", ".join(self._here.values())
-            raise TypeError(f"{type(self).__name__} takes {wanted}; found {', '.join(given)}")
+            names = ", ".join(self._here.values())
+            raise TypeError(f"{type(self).__name__} takes {names}; found {', '.join(fields)}")
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Raise an error, because events are immutable."""

@@ -170,9 +170,9 @@ class Source(Keyed):
         seed : int
             Random seed of the trial.
         """
-        known, others = _stream(seed, self.stream, self.rate)
-        known.extend(islice(others, max(self.number - len(known), 0)))
-        return self.start + known[self.number - 1]
+        times, others = _stream(seed, self.stream, self.rate)
+        times.extend(islice(others, max(self.number - len(times), 0)))
+        return self.start + times[self.number - 1]
 
 
 @lru_cache
@@ -405,8 +405,8 @@ class JobKeys(Keyed):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        given = {name for name, value in vars(self).items() if value is not None} - {"part"}
-        if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
+        keys = {name for name, value in vars(self).items() if value is not None} - {"part"}
+        if keys not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
             raise UserError("a job is one of move, wait, pick with place, or submit")
         return self
 

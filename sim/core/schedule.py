@@ -102,10 +102,10 @@ def _seconds(value: Any) -> Any:
     # The check of numbers explains text without a unit, such as 1e3.
     if not isinstance(value, str) or value[-1:].isdigit():
         return value
-    found = re.fullmatch(_LENGTH, value)
-    if found is None:
+    match = re.fullmatch(_LENGTH, value)
+    if match is None:
         raise UserError(f"expected a length of time as 12 min, 90 s or 1.5 h, found {value!r}")
-    return float(found[1]) * _UNITS[found[2]]
+    return float(match[1]) * _UNITS[match[2]]
 
 
 Length = Annotated[Positive, BeforeValidator(_seconds)]
@@ -191,21 +191,21 @@ class DrawnKeys(Keyed):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        if len(self._given) != 1:
+        if len(self._present) != 1:
             raise UserError(f"give one of {', '.join(vars(self))}")
-        ((name, given),) = self._given.items()
-        if name in ("uniform", "triangular") and list(given) != sorted(given):
-            raise UserError(f"{name} must rise, found {list(given)}")
+        ((name, values),) = self._present.items()
+        if name in ("uniform", "triangular") and list(values) != sorted(values):
+            raise UserError(f"{name} must rise, found {list(values)}")
         return self
 
     @property
-    def _given(self) -> dict[str, Any]:
+    def _present(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if value is not None}
 
     def value(self) -> Duration:
         """Return the distribution."""
-        ((kind, given),) = self._given.items()
-        values = given if isinstance(given, tuple) else (given,)
+        ((kind, parameters),) = self._present.items()
+        values = parameters if isinstance(parameters, tuple) else (parameters,)
         return Duration(kind, tuple(map(float, values)))  # type: ignore[arg-type]
 
 
@@ -294,12 +294,12 @@ class WorkTask(Keyed):
     def _read_text(cls, value: Any) -> Any:
         if not isinstance(value, str):
             return value
-        found = re.fullmatch(_ENTRY, value.strip())
-        if found is None:
+        match = re.fullmatch(_ENTRY, value.strip())
+        if match is None:
             raise UserError(
                 f"expected keys, or text as '09:00 station2 for 12 min', found {value!r}"
             )
-        return {"time": found[1], "at": found[2], "duration": found[3]}
+        return {"time": match[1], "at": match[2], "duration": match[3]}
 
     @model_validator(mode="after")
     def _count_of_what(self) -> Self:
@@ -347,10 +347,10 @@ class WorkList(Keyed):
 def _ends(value: Any) -> Any:
     if not isinstance(value, str):
         return value
-    found = re.fullmatch(_SHIFT, value.strip())
-    if found is None:
+    match = re.fullmatch(_SHIFT, value.strip())
+    if match is None:
         raise UserError(f"expected [begin, end] in seconds or '06:00 - 14:00', found {value!r}")
-    return [found[1], found[2]]
+    return [match[1], match[2]]
 
 
 def _over_midnight(interval: tuple[float, float]) -> tuple[float, float]:
@@ -427,5 +427,5 @@ def times_until(end: float, begin: float, every: float | None) -> int:
 
     It is at least 1, and 1 if the numbers are invalid.
     """
-    found = (end - begin) / every if every else 0.0
-    return max(1, math.ceil(found)) if math.isfinite(found) else 1
+    periods = (end - begin) / every if every else 0.0
+    return max(1, math.ceil(periods)) if math.isfinite(periods) else 1

@@ -45,17 +45,17 @@ class Closures:
 
     def changes(self, end: float) -> list[float]:
         """Return the instants from 0 to `end` (seconds) at which something may change."""
-        given = [times.intervals for times in self.doors.values()]
-        given += [one.there for one in self.timed]
-        return sorted({t for t in _edges(given) if 0 < t < end})
+        spans = [times.intervals for times in self.doors.values()]
+        spans += [one.there for one in self.timed]
+        return sorted({t for t in _edges(spans) if 0 < t < end})
 
     def _is_open(self, door: Door, t: float) -> bool:
         times = self.doors.get(door.name)
         return door.is_open if times is None else times.is_open(t)
 
 
-def _edges(given: Iterable[tuple[Interval, ...]]) -> Iterator[float]:
-    return (t for intervals in given for interval in intervals for t in interval)
+def _edges(spans: Iterable[tuple[Interval, ...]]) -> Iterator[float]:
+    return (t for intervals in spans for interval in intervals for t in interval)
 
 
 Action = Callable[[], None]
@@ -63,12 +63,12 @@ Action = Callable[[], None]
 
 @dataclass
 class _Waiting:
-    """Person waiting for `start`, which has occurred `seen` times."""
+    """Person waiting for `start`, which has occurred `count` times."""
 
     start: Start
     who: str | None
     action: Action
-    seen: int = 0
+    count: int = 0
 
 
 class Triggers:
@@ -92,13 +92,13 @@ class Triggers:
 
     def notify(self, event: Event) -> None:
         """Call the actions that have waited for the event, in the order of their waiting."""
-        for told in self._each.get(event["kind"], ()):
-            told(event)
+        for action in self._each.get(event["kind"], ()):
+            action(event)
         due = []
         for waiting in self._waiting:
             if _is(event, waiting.start, waiting.who):
-                waiting.seen += 1
-                if waiting.seen == waiting.start.count:
+                waiting.count += 1
+                if waiting.count == waiting.start.count:
                     due.append(waiting)
         if due:
             # Remove them before the actions, which may add others or cause events.

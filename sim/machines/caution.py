@@ -55,8 +55,8 @@ class Caution:
         """The person because of whom the slowest motion was not safe."""
         self._has_recorded = False
         """Whether the wait has been recorded since the last motion."""
-        self._seen: tuple[Sighting, ...] = ()
-        self._seen_at = -math.inf
+        self._people: tuple[Sighting, ...] = ()
+        self._observed_at = -math.inf
 
     def look(self) -> Steps:
         """Observe the people, once at each time. Use it with `yield from`.
@@ -66,10 +66,10 @@ class Caution:
         Event
             Waiting time.
         """
-        if self._seen_at != self._gantry.now:
+        if self._observed_at != self._gantry.now:
             people: tuple[Sighting, ...] = yield self._gantry.look()
             self._see(people)
-        return self._seen
+        return self._people
 
     def go(self, pose: Pose, *, seconds: float = math.inf) -> Steps:
         """Move to a pose as fast as is safe. Use it with `yield from`.
@@ -147,8 +147,8 @@ class Caution:
         """
         gantry = self._gantry
         plan = Stoppable(motion, gantry.stops)
-        seen = [Pedestrian(person.name, person.at, self._human_speed) for person in people]
-        until, person = self._check.safe_until(plan, seen, gantry.now, LEAST)
+        pedestrians = [Pedestrian(person.name, person.at, self._human_speed) for person in people]
+        until, person = self._check.safe_until(plan, pedestrians, gantry.now, LEAST)
         self._hindered_by = None if person is None else person.name
         return until - gantry.now if person is not None else max(until - gantry.now, LEAST)
 
@@ -212,7 +212,7 @@ class Caution:
         )
 
     def _see(self, people: tuple[Sighting, ...]) -> None:
-        self._seen, self._seen_at = people, self._gantry.now
+        self._people, self._observed_at = people, self._gantry.now
 
     def _share_to(self, pose: Pose) -> float:
         """Return the speed share of the present motion to `pose`, or 0 if there is none."""

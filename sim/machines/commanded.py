@@ -477,8 +477,8 @@ class CommandedMachine(Machine):
     def _sightings(self) -> tuple[Sighting, ...]:
         if self._stage.blind[self.name]:
             return ()
-        seen = []
+        sightings = []
         for person in self._stage.people:
             position, velocity, _ = person.body.state
-            seen.append(Sighting(person.name, position[:2], velocity[:2]))
-        return tuple(seen)
+            sightings.append(Sighting(person.name, position[:2], velocity[:2]))
+        return tuple(sightings)

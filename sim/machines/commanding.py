@@ -48,7 +48,7 @@ class Drive(ABC):
         self._notify = disabled_or_enabled
         self._enabled: Event | None = None
         self._stopped_since = 0.0
-        self._held = False
+        self._on_hold = False
         self._limit = math.inf
         self._too_fast = False
         """Whether it is stopped because its motion is faster than the limit."""
@@ -231,7 +231,7 @@ class Drive(ABC):
 
     def hold(self, stands: bool) -> None:
         """Brake and stay stationary until `hold(False)`: a protective stop."""
-        self._held = stands
+        self._on_hold = stands
         if stands:
             self._stop()
         else:
@@ -245,7 +245,7 @@ class Drive(ABC):
     @property
     def _may_move(self) -> bool:
         """Whether there is no reason for a stop any more."""
-        return not self._held and not self._too_fast
+        return not self._on_hold and not self._too_fast
 
     def _stop(self) -> None:
         if self._enabled is None:

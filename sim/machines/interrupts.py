@@ -41,7 +41,7 @@ class Interrupts:
     def __init__(self) -> None:
         self.close_distance: float | None = None
         """Distance (m) of a person that interrupts, if the controller has requested it."""
-        self._wanted: set[str] = set()
+        self._reasons: set[str] = set()
         self._pending: list[str] = []
         self._handled: Interrupt | None = None
         self._process: Process | None = None
@@ -55,7 +55,7 @@ class Interrupts:
             if not number("interrupt_on(distance)", distance) > 0:
                 raise UserError(f"interrupt_on(distance) must be more than 0, not {distance}")
             self.close_distance = distance
-        self._wanted.add(reason)
+        self._reasons.add(reason)
 
     def start(self, clock: Clock, controller: Steps) -> None:
         """Run `controller` with interrupts from now on."""
@@ -64,7 +64,7 @@ class Interrupts:
     def happened(self, reason: str) -> None:
         """Interrupt the controller as soon as possible if it has requested this reason."""
         process = self._process
-        if process is None or not process.is_alive or reason not in self._wanted:
+        if process is None or not process.is_alive or reason not in self._reasons:
             return
         if reason not in self._pending:
             self._pending.append(reason)

@@ -46,9 +46,16 @@ class Action:
             cancel_callback=self._cancel,
         )
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a goal has no result yet."""
+        return bool(self._running)
+
     def publish(self) -> None:
         """Publish feedback on all goals under way."""
         for handle, running in self._running.values():
+            if running.ended:  # its result is sent soon
+                continue
             feedback = self._type.Feedback()
             self._fill(feedback, running)
             handle.publish_feedback(feedback)

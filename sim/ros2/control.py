@@ -60,10 +60,10 @@ class Control:
         return self._done(response)
 
     def _set_simulation_state(self, request: Any, response: Any) -> Any:
-        wanted, state = request.state.state, self._state
-        if wanted not in (state.STATE_PLAYING, state.STATE_PAUSED) or not self._pace.speed:
+        requested, state = request.state.state, self._state
+        if requested not in (state.STATE_PLAYING, state.STATE_PAUSED) or not self._pace.speed:
             return self._failed(response, "a trial plays or pauses, and with --step it is paused")
-        self._pace.change(paused=wanted == state.STATE_PAUSED)
+        self._pace.change(paused=requested == state.STATE_PAUSED)
         return self._done(response)
 
     def _step_simulation(self, request: Any, response: Any) -> Any:

@@ -62,12 +62,15 @@ class VehicleTopics:
         publishers = self._ros.node.get_publishers_info_by_topic(self._commands)
         if len(publishers) > 1:
             self._ros.warn(self._commands, "several publishers, the last message counts")
-        wanted = PLAIN if {one.topic_type for one in publishers} == {PLAIN} else STAMPED
+        message_type = PLAIN if {one.topic_type for one in publishers} == {PLAIN} else STAMPED
         type_, subscription = self._listening
-        if wanted == type_:
+        if message_type == type_:
             return
         if subscription is None:
-            self._listening = (wanted, self._ros.subscribe(self._commands, wanted, self._take))
+            self._listening = (
+                message_type,
+                self._ros.subscribe(self._commands, message_type, self._take),
+            )
         else:
             # The executor releases the old subscription before the next call.
             self._ros.node.destroy_subscription(subscription)

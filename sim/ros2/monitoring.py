@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from ..cell import Cell
+from ..core.recorder import Event
 from ..exports import scene
 from ..exports.scene import ALARM, SAFE, Color, Shape, Thing
 from .messages import set_header, set_turn
@@ -21,18 +22,17 @@ class Monitoring:
     def __init__(self, ros: CellNode, cell: Cell) -> None:
         self._cell = cell
         self._events = ros.publish_on("events", "std_msgs/msg/String", 1000)
-        self._published = 0
         self._diagnostics = ros.publish_on("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
         self._status = ros.find("diagnostic_msgs/msg/DiagnosticStatus", "/diagnostics")
         self._value = ros.find("diagnostic_msgs/msg/KeyValue", "/diagnostics")
         self._pairs = [(n, s) for n, s in cell.signals.items() if n.startswith("monitor/")]
+        for event in cell.simulation.events:
+            self._publish_event(event)
+        cell.signals["events"].watch(self._publish_event)
 
-    def publish_events(self) -> None:
-        """Publish the events since the last call, each as in `events.jsonl`."""
-        events = self._cell.simulation.events
-        for event in events[self._published :]:
-            self._events.publish(self._events.new(data=json.dumps(event, ensure_ascii=False)))
-        self._published = len(events)
+    def _publish_event(self, event: Event) -> None:
+        """Publish an event as in `events.jsonl`."""
+        self._events.publish(self._events.new(data=json.dumps(event, ensure_ascii=False)))
 
     def publish_diagnostics(self) -> None:
         """Publish distance and required distance of each person and machine."""

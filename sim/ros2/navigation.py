@@ -16,6 +16,10 @@ ACTIVE = 3
 """Id of the state "active" of a lifecycle node."""
 
 
+SLOWEST = 0.01
+"""Speed in m/s above which the remaining time is estimated, as in Nav2."""
+
+
 class _Kind(NamedTuple):
     """Name, type, code of an unknown error, and goal of an action of Nav2."""
 
@@ -59,16 +63,18 @@ def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Itera
         return cell.tasks[f"{body}/{task}"].start(KINDS[task].goal(goal))
 
     def fill(feedback: Any, running: Running) -> None:
-        progress = running.feedback()
+        progress, velocity = running.feedback(), read_velocity()
+        speed = math.hypot(velocity.x, velocity.y)
         if hasattr(feedback, "distance_to_goal"):  # of FollowPath
-            velocity = read_velocity()
             feedback.distance_to_goal = float(progress.remaining)
-            feedback.speed = math.hypot(velocity.x, velocity.y)
+            feedback.speed = speed
             return
         set_header(feedback.current_pose.header, cell.now)
         set_pose(feedback.current_pose.pose, progress.pose)
         set_time(feedback.navigation_time, progress.elapsed)
         feedback.distance_remaining = float(progress.remaining)
+        if speed > SLOWEST:
+            set_time(feedback.estimated_time_remaining, progress.remaining / speed)
         if hasattr(feedback, "number_of_poses_remaining"):  # of NavigateThroughPoses
             feedback.number_of_poses_remaining = progress.waypoints
 

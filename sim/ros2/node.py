@@ -12,6 +12,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from ..cell import Rejected
+from ..cell.admission import Notices
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """Later subscribers get the last message too."""
@@ -19,12 +20,9 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 DEPTH = 10
 """Number of messages in the queue of a topic."""
 
-MOST_NOTICES = 20
-"""Number of different lines about rejected messages."""
-
 
 class RosTopic:
-    """RosTopic on which the cell publishes. It is never needed if its type is not installed."""
+    """Topic on which the cell publishes. It is never needed if its type is not installed."""
 
     def __init__(self, publisher: Any, new: Callable[..., Any]) -> None:
         self.new = new
@@ -51,7 +49,7 @@ class CellNode:
         self.node = node
         self._notice = notice
         self._omitted: dict[str, set[str]] = {}
-        self._noticed: set[tuple[str, str]] = set()
+        self._notices = Notices(notice)
 
     def find(self, interface: str, use: str) -> Any:
         """Return a class such as "nav_msgs/msg/Odometry". Without it, omit its use: None."""
@@ -109,7 +107,5 @@ class CellNode:
 
     def warn(self, about: str, line: str, reason: str = "") -> None:
         """Inform the user once for each topic and reason."""
-        key = (about, (reason or line).partition(" at t = ")[0])
-        if key not in self._noticed and len(self._noticed) < MOST_NOTICES:
-            self._noticed.add(key)
-            self._notice(f"{about}: {line}")
+        kind = (about, (reason or line).partition(" at t = ")[0])
+        self._notices.add(f"{about}: {line}", kind)

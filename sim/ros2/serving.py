@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
+from contextlib import redirect_stdout
 from functools import partial
+from io import StringIO
 
 import rclpy
+from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.validate_namespace import validate_namespace
 
 from floorplan import UserError
 
 from ..cell import Cell, Pace
-from ..machines.amr.amr import Amr
+from ..cell.names import plain, prefix_of
 from ..machines.gantry.robot import GantryRobot
 from ..simulation import Simulation
 from .control import Control
@@ -40,8 +43,15 @@ SLOWLY = 10
 LONGEST_WAIT = 0.1
 """Seconds. How soon the server sees that it was stopped."""
 
+LAST_WAIT = 0.5
+"""Seconds at the end of the run in which the results of goals are sent."""
+
 DIAGNOSTICS = 1
 """Hz: the rate of diagnostics."""
+
+
+LAST_DOMAIN = 232
+"""Highest domain of which DDS can calculate the ports. It ends the process for higher ones."""
 
 
 class RosError(UserError):
@@ -80,12 +90,15 @@ def serve(
     RosError
         If domain or namespace are not valid.
     """
+    if domain is not None and not 0 <= domain <= LAST_DOMAIN:
+        raise RosError(f"domain must be from 0 to {LAST_DOMAIN}, not {domain}")
     context, signals = rclpy.Context(), SignalHandlerOptions.NO
     try:
+        validate_namespace(f"/{namespace.lstrip('/')}")
         rclpy.init(args=[], context=context, domain_id=domain, signal_handler_options=signals)
         node = rclpy.create_node("floorwalker", namespace=namespace, context=context)
-    except (RuntimeError, ValueError) as why:
-        raise RosError(f"ROS cannot start a node in domain {domain}, {namespace!r}: {why}") from why
+    except (RuntimeError, ValueError, NameValidationException) as why:
+        raise RosError(f"ROS cannot start the node: {' '.join(str(why).split())}") from why
     try:
         _RosServer(node, simulation, speed, step, notice).run()
     finally:
@@ -104,24 +117,30 @@ class _RosServer:
         notice: Callable[[str], None],
     ) -> None:
         self._pace = Pace(simulation, speed=speed, step=step)
-        cell = Cell(simulation, self._pace)
+        self._cell = cell = Cell(simulation, self._pace)
         ros = self._ros = CellNode(node, notice)
-        self._vehicles = [VehicleTopics(ros, cell, *names) for names in _vehicles(simulation)]
+        vehicles = [
+            name
+            for name, machine in simulation.machines.items()
+            if machine.shape.category == "vehicle"
+        ]
+        self._vehicles = [
+            VehicleTopics(ros, cell, name, prefix_of(simulation, name)) for name in vehicles
+        ]
         frames, monitoring = Frames(ros, cell, self._vehicles), Monitoring(ros, cell)
         self._state = [
             frames.publish_clock,
             frames.publish_vehicles,
             *(vehicle.publish_odometry for vehicle in self._vehicles),
-            monitoring.publish_events,
         ]
         gantries = [
             GantryJoints(ros, cell, machine)
             for machine in simulation.machines.values()
             if isinstance(machine, GantryRobot)
         ]
-        actions = [action for gantry in gantries for action in gantry.actions]
+        actions = self._actions = [action for gantry in gantries for action in gantry.actions]
         bodies = [f"people/{person.name}" for person in simulation.people]
-        bodies += [f"machines/{name}" for name, _ in _vehicles(simulation)]
+        bodies += [f"machines/{name}" for name in vehicles]
         for body in bodies:
             actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
         slowly = [
@@ -136,7 +155,9 @@ class _RosServer:
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
         self._executor = Executor(context=node.context)
-        self._executor.add_node(node)
+        with redirect_stdout(StringIO()):  # rclpy prints that many actions may be inefficient
+            self._executor.add_node(node)
+            self._executor.spin_once(timeout_sec=0.0)
         _publish(self._state)
         self._pace.every(1 / RATE, partial(_publish, self._state))
         self._pace.every(1 / SLOWLY, partial(_publish, slowly))
@@ -157,8 +178,14 @@ class _RosServer:
                     vehicle.listen()
             if self._runs and pace.give_up():
                 self._ros.warn("speed", f"this machine is too slow for --speed {pace.speed:g}")
-        pace.check()
+        self._cell.update()
         _publish(self._state)
+        last = time.monotonic()
+        if any(action.is_busy for action in self._actions):
+            last += LAST_WAIT
+        while time.monotonic() < last:
+            self._executor.spin_once(timeout_sec=LONGEST_WAIT)
+        pace.check()
 
     @property
     def _runs(self) -> bool:
@@ -176,17 +203,3 @@ class _RosServer:
 def _publish(publishers: Iterable[Callable[[], None]]) -> None:
     for publish in publishers:
         publish()
-
-
-def _vehicles(simulation: Simulation) -> Iterator[tuple[str, str]]:
-    """Yield name and prefix of each vehicle. A single free vehicle has no prefix."""
-    free = [name for name, machine in simulation.machines.items() if isinstance(machine, Amr)]
-    for name, machine in simulation.machines.items():
-        if machine.shape.category == "vehicle":
-            yield name, "" if free == [name] else f"{plain(name)}/"
-
-
-def plain(name: str) -> str:
-    """Return a name as ROS allows it."""
-    text = re.sub(r"\W", "_", name, flags=re.ASCII)
-    return text if text[:1].isalpha() else f"body_{text}"

@@ -50,8 +50,8 @@ def lasting(trial: _Made, seconds: float) -> _Made:
         until_submitted=False,
         warm_up=trial.warm_up if trial.warm_up < seconds else 0.0,
         work={
-            name: replace(held, tasks=tuple(task for task in held.tasks if task.time < seconds))
-            for name, held in trial.work.items()
+            name: replace(work, tasks=tuple(task for task in work.tasks if task.time < seconds))
+            for name, work in trial.work.items()
         },
         doors={name: _of_door(times, seconds) for name, times in trial.doors.items()},
         obstacles=tuple(replace(one, there=there) for one, there in timed if there),
@@ -69,7 +69,7 @@ def _of_person(person: PersonEntry, end: float) -> PersonEntry:
 
 def _of_door(times: DoorTimes, end: float) -> DoorTimes:
     closed, opened = (
-        None if given is None else _begun(given, end) for given in (times.closed, times.open)
+        None if spans is None else _begun(spans, end) for spans in (times.closed, times.open)
     )
     return DoorTimes(closed, opened)
 
@@ -104,10 +104,10 @@ def _laws(trial: Scenario, rules: Any) -> Iterator[Fault]:
         return  # custom code defines the kind of its machine
     lanes = [lane.name for lane in trial.floorplan.lanes]
     machines = [*([GANTRY] if trial.floorplan.gantry else []), *lanes, *trial.machines]
-    known = dict.fromkeys((*machines, *KINDS))
+    names = dict.fromkeys((*machines, *KINDS))
     for name in rules.get("laws", ()):
-        if name not in known:
-            hint = suggestion(name, known)
+        if name not in names:
+            hint = suggestion(name, names)
             yield f"no machine and no kind is called {name!r}; {hint}", ("rules", "laws", name)
 
 
@@ -172,14 +172,14 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
     plan = _floorplan(schema.floorplan, folder, document, name)
     lanes = {lane.name: lane for lane in plan.lanes}
     alike = {key.name for key in fields(Scenario)} & TrialKeys.model_fields.keys()
-    given: dict[str, Any] = {name: getattr(schema, name) for name in alike}
-    duration = given["duration"]
+    values: dict[str, Any] = {name: getattr(schema, name) for name in alike}
+    duration = values["duration"]
     moves = sum(number_of(agv.moves, duration) for agv in schema.agvs.values())
     if moves > MOST_MOVES:
         lanes = {}  # not expanded, because they are rejected
-    people = people_of(schema.people, given["actions"], folder)
+    people = people_of(schema.people, values["actions"], folder)
     rules, rule_problems = build_rules(schema.rules, document, replace(code, path=folder), "rules")
-    given |= {
+    values |= {
         "floorplan": plan,
         "name": name,
         "rules": rules,
@@ -195,7 +195,7 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
         "obstacles": tuple(schema.obstacles.values()),
         "commands": () if isinstance(schema.commands, str) else schema.commands,
     }
-    trial = form(**given, own_code=code.allowed)
+    trial = form(**values, own_code=code.allowed)
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
     if isinstance(schema.commands, str):
@@ -223,8 +223,8 @@ def is_ariac(document: Document) -> bool:
 
 def _refuse_crowds(schema: DerivedKeys, document: Document) -> None:
     """Raise `TrialError` if there are more people than the budget allows, before creating them."""
-    if found := people_fault(person.many or 1 for person in schema.people):
-        k, message = found
+    if fault := people_fault(person.many or 1 for person in schema.people):
+        k, message = fault
         person = schema.people[k]
         key = ("count",) if person.count else ("source", "count") if person.source else ()
         raise TrialError(document.file, [document.problem(message, "people", k, *key)])
@@ -248,15 +248,15 @@ def _with_orders(trial: _Made, schema: DerivedKeys, name: str, document: Documen
 
     orders = read_yaml(_named_file(trial.folder, name, document, "ariac"), TrialError)
     workload, notices = reading.read_workload(orders, trial.floorplan)
-    given = schema.model_fields_set
+    keys = schema.model_fields_set
     until_submitted = schema.until_submitted
     return replace(
         trial,
         workload=replace(workload, source=name),
         notices=notices,
-        people=trial.people if "people" in given else reading.people_of(workload),
-        duration=trial.duration if "duration" in given else reading.duration_of(workload),
-        until_submitted="duration" not in given if until_submitted is None else until_submitted,
+        people=trial.people if "people" in keys else reading.people_of(workload),
+        duration=trial.duration if "duration" in keys else reading.duration_of(workload),
+        until_submitted="duration" not in keys if until_submitted is None else until_submitted,
     )
 
 
@@ -316,11 +316,11 @@ def _problems(trial: Scenario, document: Document, owners: list[int]) -> Iterato
 
     `owners` are the numbers of the entries of people in the file.
     """
-    found = (
+    problems = (
         document.problem(text, *_in_file(at, document.data, owners))
         for text, at in faults(trial, was_read=True)
     )
-    yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
+    yield from dict.fromkeys(problems)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:
         try:
             find_program(trial.gantry.controller, trial.gantry.rate, CONTROLLER, trial.code_folder)

@@ -168,8 +168,8 @@ def _entry_faults(trial: Scenario) -> Iterator[Fault]:
         yield from _start_faults(start, trial, *place)
     yield from _below(list_faults(trial), "work")
     for k, blackout in enumerate(trial.blackouts):
-        known = machines(trial)
-        yield from name_faults(blackout.machine, "machine", known, "blackouts", k, "machine")
+        names = machines(trial)
+        yield from name_faults(blackout.machine, "machine", names, "blackouts", k, "machine")
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
     yield from _below(command_faults(trial), "commands")
@@ -194,8 +194,8 @@ def name_fault(name: str) -> str:
     return f"invalid folder name; give a name of at most {MOST_BYTES} bytes: {name[:60]!r}"
 
 
-def _below(found: Iterable[Fault], *place: str | int) -> Iterator[Fault]:
-    for message, rest in found:
+def _below(inner_faults: Iterable[Fault], *place: str | int) -> Iterator[Fault]:
+    for message, rest in inner_faults:
         yield message, (*place, *rest)
 
 
@@ -258,18 +258,18 @@ def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 
 
 def _spot_faults(
-    person: PersonEntry, given: Point | str | None, trial: Scenario, *place: str
+    person: PersonEntry, position: Point | str | None, trial: Scenario, *place: str
 ) -> Iterator[Fault]:
     """Yield why a person cannot be at a place, unless it is None."""
-    if given is None:
+    if position is None:
         return
     plan = trial.floorplan
-    at = spot(plan, given, person.radius)
+    at = spot(plan, position, person.radius)
     if at is None:
-        known = [*stations(trial), *(door.name for door in plan.doors)]
+        names = [*stations(trial), *(door.name for door in plan.doors)]
         if place == ("at",):
-            known.append(ANYWHERE)
-        yield from name_faults(str(given), "station or door", known, *place)
+            names.append(ANYWHERE)
+        yield from name_faults(str(position), "station or door", names, *place)
     elif fault := starting_fault(plan, at, person.radius):
         yield fault, place
     else:
@@ -318,9 +318,9 @@ def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]
             yield why.problems[0].message, place
             continue
         try:
-            given = one.personality
+            personality = one.personality
             modules = modules_of(person.actions, None)
-            sources_of(given, modules, trial.code_folder)
+            sources_of(personality, modules, trial.code_folder)
         except OwnCodeError as why:
             yield str(why), ("actions",)
 
@@ -336,12 +336,12 @@ def _start_faults(start: Start, trial: Scenario, *place: str | int) -> Iterator[
     if start.order_submitted is not None:
         order = start.order_submitted
         yield from name_faults(order, "order", orders(trial), *place, "order_submitted")
-    known = {"part": parts, "agv": agvs}
+    names_of = {"part": parts, "agv": agvs}
     for key, name in (start.part_placed or {}).items():
-        if key in known:
-            yield from name_faults(name, key, known[key](trial), *place, "part_placed", key)
+        if key in names_of:
+            yield from name_faults(name, key, names_of[key](trial), *place, "part_placed", key)
         else:
-            yield f"unknown key; {suggestion(key, known)}", (*place, "part_placed", key)
+            yield f"unknown key; {suggestion(key, names_of)}", (*place, "part_placed", key)
 
 
 def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:

@@ -55,10 +55,10 @@ class SummaryField:
         vehicles = {one.kind for one in run.scene.machines if one.category == "vehicle"}
         meant = {"NAME": {self.name}, "VEHICLE": vehicles}
         fields = {key: meant.get(value, {value}) for key, value in named.items()}
-        found = [e for e in run.events if e["kind"] == kind.kind and _match(e, fields)]
+        events = [e for e in run.events if e["kind"] == kind.kind and _match(e, fields)]
         if self.figure.form == "visits":
-            found = [e for e in found if e["station"] is not None]
-        return [e["t"] for e in found]
+            events = [e for e in events if e["station"] is not None]
+        return [e["t"] for e in events]
 
 
 def _match(event: Event, fields: Mapping[str, Container[Any]]) -> bool:
@@ -71,7 +71,7 @@ def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
 
     If the trial has one person, their figures also have names without `people.NAME.`.
     """
-    found: dict[str, SummaryField] = {}
+    fields: dict[str, SummaryField] = {}
     alone: dict[str, SummaryField] = {}
     for figure in FIGURES.values():
         if figure.form in ("text", "parts") or not figure.only(trial) or figure.null(trial):
@@ -79,10 +79,10 @@ def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
         for path, name in _paths(figure.path, trial):
             field = SummaryField(figure, path, name)
             keys = [".".join(path)] + ([".".join(path[:-1])] if figure.short else [])
-            found |= dict.fromkeys(keys, field)
+            fields |= dict.fromkeys(keys, field)
             if figure.path.startswith(PEOPLE):
                 alone |= {key.removeprefix(f"people.{name}."): field for key in keys}
-    return (alone | found) if len(trial.people) == 1 else found
+    return (alone | fields) if len(trial.people) == 1 else fields
 
 
 def machine_field(key: str, trial: Scenario) -> SummaryField | None:
@@ -135,24 +135,24 @@ def expectation_problems(trial: Scenario) -> Iterator[tuple[str, Place]]:
 
 def verdicts(trial: Scenario, run: Outcome) -> list[Verdict]:
     """Return a verdict on each expectation of `trial`. `UserError` if one cannot be checked."""
-    found = []
+    results = []
     for place, check in _checks(trial):
         if isinstance(check, ValueError):
             raise check
-        found.append(replace(check(run), place=place))
-    return found
+        results.append(replace(check(run), place=place))
+    return results
 
 
 def _checks(trial: Scenario) -> Iterator[tuple[Place, Check | ValueError]]:
     """Return each expectation as a check, or what is wrong with it."""
     fields = summary_fields(trial) if trial.expect else {}
-    for key, wanted in trial.expect.items():
+    for key, expected in trial.expect.items():
         if key != TIMELINE:
-            yield (key,), _attempt(_field_check, key, wanted, fields, trial)
-        elif not isinstance(wanted, list):
-            yield (key,), UserError(f"expected a list, found {wanted!r}")
+            yield (key,), _attempt(_field_check, key, expected, fields, trial)
+        elif not isinstance(expected, list):
+            yield (key,), UserError(f"expected a list, found {expected!r}")
         else:
-            for k, written in enumerate(wanted):
+            for k, written in enumerate(expected):
                 yield (key, k), _attempt(_statement_check, written, trial)
 
 
@@ -168,7 +168,7 @@ def _statement_check(written: Any, trial: Scenario) -> Check:
 
 
 def _field_check(
-    key: str, wanted: Any, fields: Mapping[str, SummaryField], trial: Scenario
+    key: str, expected: Any, fields: Mapping[str, SummaryField], trial: Scenario
 ) -> Check:
     field = fields.get(key) or machine_field(key, trial)
     if field is None:
@@ -177,13 +177,13 @@ def _field_check(
             names.checked_name(rest.partition(".")[0], "machine", names.machines(trial))
         raise UserError(f"a run has no such figure; {_hint(key, fields)}")
     if field.figure.form == "visits":
-        return _visits(key, wanted, field, trial)
+        return _visits(key, expected, field, trial)
     if field.figure.form == "flag":
-        if not isinstance(wanted, bool):
-            raise UserError(f"expected true or false, found {wanted!r}")
-        flag = in_words(wanted)
-        return _FigureCheck(key, field, flag, lambda found: slack.of_flag(found is wanted))
-    comparison = NumberCondition.parse(wanted)
+        if not isinstance(expected, bool):
+            raise UserError(f"expected true or false, found {expected!r}")
+        flag = in_words(expected)
+        return _FigureCheck(key, field, flag, lambda value: slack.of_flag(value is expected))
+    comparison = NumberCondition.parse(expected)
     return _FigureCheck(key, field, comparison.text, comparison.slack)
 
 
@@ -213,21 +213,21 @@ class _FigureCheck:
 
     key: str
     field: SummaryField
-    wanted: str
+    expected: str
     slack: Callable[[Any], float]
 
     def __call__(self, run: Outcome) -> Verdict:
-        found = self.field.value(run)
-        if found is None:
+        value = self.field.value(run)
+        if value is None:
             meaning = self.field.figure.meaning
             nothing = f"there is none ({meaning})" if meaning else self._unknown(run)
-            return Verdict(f"{self.key} {self.wanted}", found=nothing, met=False, slack=NOTHING)
-        amount = self.slack(found)
+            return Verdict(f"{self.key} {self.expected}", found=nothing, met=False, slack=NOTHING)
+        amount = self.slack(value)
         instants = self.field.instants(run)
         when = f" (t = {times(instants, 5)})" if instants else ""
         return Verdict(
-            f"{self.key} {self.wanted}",
-            found=f"it is {in_words(found)}{when}",
+            f"{self.key} {self.expected}",
+            found=f"it is {in_words(value)}{when}",
             met=amount >= 0.0,
             slack=amount,
             unit=self.field.figure.unit,
@@ -243,20 +243,20 @@ class _FigureCheck:
         return f"there is no such figure{hint}"
 
 
-def _visits(key: str, wanted: Any, field: SummaryField, trial: Scenario) -> Check:
+def _visits(key: str, expected: Any, field: SummaryField, trial: Scenario) -> Check:
     """Return the check of the visits of a person."""
-    if isinstance(wanted, list):
-        wanted = {"begin_with": wanted}
-    if not (isinstance(wanted, Mapping) and len(wanted) == 1 and set(wanted) <= set(_VISITS)):
+    if isinstance(expected, list):
+        expected = {"begin_with": expected}
+    if not (isinstance(expected, Mapping) and len(expected) == 1 and set(expected) <= set(_VISITS)):
         raise UserError(
-            f"expected a list of stations, or one of {', '.join(_VISITS)} with one: {wanted!r}"
+            f"expected a list of stations, or one of {', '.join(_VISITS)} with one: {expected!r}"
         )
-    ((how, stations),) = wanted.items()
+    ((how, stations),) = expected.items()
     if not (isinstance(stations, list) and all(isinstance(one, str) for one in stations)):
         raise UserError(f"expected a list of stations, found {stations!r}")
-    known = names.stations(trial)
-    found = tuple(names.checked_name(name, "station", known) for name in stations)
-    return _VisitsCheck(key, field, how, found)
+    station_names = names.stations(trial)
+    checked = tuple(names.checked_name(name, "station", station_names) for name in stations)
+    return _VisitsCheck(key, field, how, checked)
 
 
 @dataclass(frozen=True)
@@ -269,35 +269,35 @@ class _VisitsCheck:
     stations: tuple[str, ...]
 
     def __call__(self, run: Outcome) -> Verdict:
-        found = self.field.value(run)
-        wrong = self._first_wrong(found)
+        visited = self.field.value(run)
+        wrong = self._first_wrong(visited)
         instants = self.field.instants(run)
         time = instants[wrong] if wrong is not None and wrong < len(instants) else None
         when = (
-            f" ({found[wrong]} at t = {time:.3f} s)"
+            f" ({visited[wrong]} at t = {time:.3f} s)"
             if wrong is not None and time is not None
             else ""
         )
         expected = f"{self.key} {_VISITS[self.how]} {', '.join(self.stations)}"
-        shown = ", ".join(found) or "none"
+        shown = ", ".join(visited) or "none"
         return Verdict(
             expected,
             found=f"they were {shown}{when}",
             met=wrong is None,
-            slack=slack.of_visits(found, self.stations, self.how),
+            slack=slack.of_visits(visited, self.stations, self.how),
             unit="visits",
             time=time,
         )
 
-    def _first_wrong(self, found: list[str]) -> int | None:
+    def _first_wrong(self, visited: list[str]) -> int | None:
         """Return the index of the first wrong or missing visit."""
         if self.how == "never":
-            return next((k for k, name in enumerate(found) if name in self.stations), None)
+            return next((k for k, name in enumerate(visited) if name in self.stations), None)
         if self.how == "in_order":
-            visits = iter(found)
+            visits = iter(visited)
             complete = all(any(name == visit for visit in visits) for name in self.stations)
-            return None if complete else len(found)
+            return None if complete else len(visited)
         if self.how == "begin_with":
-            found = found[: len(self.stations)]
-        pairs = itertools.zip_longest(self.stations, found)
-        return next((k for k, (wanted, visit) in enumerate(pairs) if wanted != visit), None)
+            visited = visited[: len(self.stations)]
+        pairs = itertools.zip_longest(self.stations, visited)
+        return next((k for k, (station, visit) in enumerate(pairs) if station != visit), None)

@@ -67,12 +67,12 @@ def budget_faults(trial: Scenario) -> Iterator[Fault]:
     if duration > LONGEST:
         yield f"must be at most {LONGEST:,} s (31 days), not {duration:g} s", ("duration",)
         return
-    if found := people_fault([1] * count):
-        yield found[1], ("people",)
+    if fault := people_fault([1] * count):
+        yield fault[1], ("people",)
     seconds = count * duration
     yield from _over(seconds, MOST_PERSON_SECONDS, "seconds of all people", "duration")
     yield from _first_over(_tasks(trial), MOST_TASKS, "tasks")
-    moves = ((number_of(given, duration), place) for place, given in moves_of(trial))
+    moves = ((number_of(entries, duration), place) for place, entries in moves_of(trial))
     yield from _first_over(moves, MOST_MOVES, "moves of AGVs")
     jobs, pause = trial.gantry.jobs, sum(job.seconds for job in trial.gantry.jobs)
     if trial.gantry.repeat and pause > 0 and all(job.kind == "wait" for job in jobs):
@@ -107,12 +107,12 @@ def _first_over(counted: Iterable[tuple[float, Place]], most: int, what: str) ->
 
 def _tasks(trial: Scenario) -> Iterator[tuple[float, Place]]:
     """Yield how often each task is offered, and its place in the trial."""
-    for name, held in trial.work.items():
+    for name, work_list in trial.work.items():
         workers = sum(name in person.work for person in trial.people)
-        means = [max(task.duration.mean, 1e-9) for task in held.tasks]
-        for k, task in enumerate(held.tasks):
+        means = [max(task.duration.mean, 1e-9) for task in work_list.tasks]
+        for k, task in enumerate(work_list.tasks):
             number, key = _times(task, trial.duration), "every"
-            if held.repeat:
+            if work_list.repeat:
                 # It is offered again when it is done, and each person does one task at a time.
                 alone = trial.duration / means[k]
                 number, key = min(alone, workers * trial.duration / min(means)), "duration"
@@ -171,11 +171,11 @@ def _interval_faults(spans: Sequence[Interval], trial: Scenario) -> Iterator[tup
     end = 0.0
     for k, (begin, until) in enumerate(spans):
         if not 0 <= begin < until or (until > LARGEST and until != math.inf):
-            given = f"{as_given(begin)} … {as_given(until)}"
-            yield f"ends before it begins, or at once: {given}", k
+            text = f"{as_given(begin)} … {as_given(until)}"
+            yield f"ends before it begins, or at once: {text}", k
         elif begin < end:
-            given = f"begins at {as_given(begin)}, before the previous one ends at"
-            yield f"{given} {as_given(end)}", k
+            text = f"begins at {as_given(begin)}, before the previous one ends at"
+            yield f"{text} {as_given(end)}", k
         elif begin >= trial.duration:
             yield f"begins at {begin:g} s of the trial, which ends at {trial.duration:g} s", k
         end = until
@@ -218,11 +218,11 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
 
 def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tuple[str, str]]:
     """Yield the faults of a command with their keys. `placed` are the names of added obstacles."""
-    known = {
+    names_by_key = {
         **dict.fromkeys(("send", "person"), people(trial)),
         **dict.fromkeys(("hold", "release", "machine"), machines(trial)),
     }
-    for key, names in known.items():
+    for key, names in names_by_key.items():
         if (name := getattr(command, key)) is not None:
             try:
                 checked_name(name, "person" if key in ("send", "person") else "machine", names)
@@ -273,11 +273,11 @@ def _place_faults(command: Command, trial: Scenario) -> Iterator[str]:
 def list_faults(trial: Scenario) -> Iterator[Fault]:
     """Yield the faults of the work lists."""
     taken = {name for person in trial.people for name in person.work}
-    for name, held in trial.work.items():
-        for k, task in enumerate(held.tasks):
+    for name, work_list in trial.work.items():
+        for k, task in enumerate(work_list.tasks):
             for message, key in _task_faults(task, trial):
                 yield message, (name, "tasks", k, key)
-        if not held.tasks:
+        if not work_list.tasks:
             yield "has no tasks", (name,)
         if name not in taken:
             yield "no person takes tasks from this list; add it to the work of a person", (name,)
@@ -332,5 +332,5 @@ def _task_faults(task: WorkTask, trial: Scenario) -> Iterator[tuple[str, str]]:
 
 
 def _too_late(time: float, trial: Scenario) -> str:
-    given = f" ({time.given})" if isinstance(time, ClockTime) else ""
-    return f"is at {time:g} s{given} of the trial, which ends at {trial.duration:g} s"
+    clock = f" ({time.given})" if isinstance(time, ClockTime) else ""
+    return f"is at {time:g} s{clock} of the trial, which ends at {trial.duration:g} s"

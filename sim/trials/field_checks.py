@@ -68,8 +68,8 @@ def field_slips(trial: Scenario) -> Iterator[Fault]:
         # A gantry drives along the axes of the floor, so that its heading may be any diagonal.
         top = shape.top_speed if model.category == "robot" else None
         machine = _Machine(model, limits, shape.footprint((0.0, 0.0), 0.0), top)
-        for said, place in (*machine.gaps(fields), *machine.faulty_sets(fields)):
-            yield said, (name, "sets", *place)
+        for message, place in (*machine.gaps(fields), *machine.faulty_sets(fields)):
+            yield message, (name, "sets", *place)
 
 
 class _Machine(NamedTuple):
@@ -103,10 +103,10 @@ class _Machine(NamedTuple):
                 words = of_load or " without load"
                 yield f"no field set applies{words}, so the machine never moves", ()
                 continue
-            known = ProtectiveFields(sets=tuple(sets))
-            gaps = [*known.gaps(linear, directions=self.directions)]
+            protective = ProtectiveFields(sets=tuple(sets))
+            gaps = [*protective.gaps(linear, directions=self.directions)]
             if isinstance(self.limits, VehicleLimits) and self.diagonal is None:
-                gaps += [gap for gap in known.gaps(AT_REST, theta) if gap not in gaps]
+                gaps += [gap for gap in protective.gaps(AT_REST, theta) if gap not in gaps]
             for gap in map(self.possible, gaps):
                 if gap is not None and gap.loaded == loaded:
                     words = _words(gap) + of_load
@@ -130,8 +130,8 @@ class _Machine(NamedTuple):
                 yield f"the set {each.name!r} never applies: sets before it fit first", (k,)
         sets = {each.name: k for k, each in enumerate(fields.sets)}
         fit = tuple(one for one in fields.sets if any(map(one.fits_load, self.model.loads)))
-        known = replace(fields.protective, sets=fit) if fit else None
-        for short in short_fields(known, self.footprint, self.limits) if known else ():
+        protective = replace(fields.protective, sets=fit) if fit else None
+        for short in short_fields(protective, self.footprint, self.limits) if protective else ():
             yield str(short), (sets[short.set], "protective")
 
 

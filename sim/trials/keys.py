@@ -61,7 +61,7 @@ def commanded(trial: _Made, path: Path) -> _Made:
     """
     document = read_yaml(path, TrialError)
     made = replace(trial, commands=document.checked(_CommandFile, TrialError).commands)
-    problems = [document.problem(said, "commands", *at) for said, at in command_faults(made)]
+    problems = [document.problem(message, "commands", *at) for message, at in command_faults(made)]
     if problems:
         raise TrialError(document.file, problems)
     return made

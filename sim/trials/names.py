@@ -132,12 +132,12 @@ def known_names(trial: Scenario, form: Form) -> list[str] | None:
     return None if names is None else list(dict.fromkeys(names(trial)))
 
 
-def checked_name(wanted: Any, form: str, known: Collection[str]) -> str:
-    """Return `wanted`. `UserError` lists the known names if it is none of them."""
-    if wanted not in known:
-        hint = suggestion(str(wanted), known) if known else "there is none in this trial"
-        raise UserError(f"no {form} is called {wanted!r}; {hint}")
-    return str(wanted)
+def checked_name(name: Any, form: str, known: Collection[str]) -> str:
+    """Return `name`. `UserError` lists the known names if it is none of them."""
+    if name not in known:
+        hint = suggestion(str(name), known) if known else "there is none in this trial"
+        raise UserError(f"no {form} is called {name!r}; {hint}")
+    return str(name)
 
 
 def name_faults(name: str, form: str, known: Collection[str], *place: str | int) -> Iterator[Fault]:
@@ -148,13 +148,13 @@ def name_faults(name: str, form: str, known: Collection[str], *place: str | int)
         yield str(why), place
 
 
-def event_kinds(trial: Scenario, wanted: str) -> Collection[str]:
+def event_kinds(trial: Scenario, kind: str) -> Collection[str]:
     """Return the names of all kinds of events.
 
-    They include `wanted` if custom code, which is not imported yet, may define it.
+    They include `kind` if custom code, which is not imported yet, may define it.
     """
     if trial.own_code and any(own_names(trial)):
-        return [*EVENT_KINDS, wanted]
+        return [*EVENT_KINDS, kind]
     return EVENT_KINDS
 
 

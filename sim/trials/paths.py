@@ -54,15 +54,15 @@ def places(owner: Any, path: str, above: str = "") -> list[str]:
     if head != ALL:
         key, rest = _step(owner, path)
         return places(_inner(owner, key), rest, f"{above}.{key}".lstrip("."))
-    found, fault = [], UserError(f"there is nothing in {above!r}")
+    matches, fault = [], UserError(f"there is nothing in {above!r}")
     for key in reversed(_names(owner).values()):
         try:
-            found.append(places(_inner(owner, key), rest, f"{above}.{key}"))
+            matches.append(places(_inner(owner, key), rest, f"{above}.{key}"))
         except UserError as why:
             fault = why
-    if not found:
+    if not matches:
         raise fault
-    return [place for of_one in reversed(found) for place in of_one]
+    return [place for of_one in reversed(matches) for place in of_one]
 
 
 def changed(owner: _Owner, path: str, change: Change) -> _Owner:

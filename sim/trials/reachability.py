@@ -79,9 +79,9 @@ def unreachable_goals(trial: Scenario) -> Iterator[Fault]:
 def _named_goals(trial: Scenario) -> Iterator[tuple[Place, list[PersonEntry], Point | str]]:
     """Yield the places of goals in a trial, with the people who go there."""
     walking = [(n, person) for n, person in enumerate(trial.people) if person.recorded is None]
-    for name, held in trial.work.items():
+    for name, work_list in trial.work.items():
         if workers := [person for _, person in walking if name in person.work]:
-            for k, task in enumerate(held.tasks):
+            for k, task in enumerate(work_list.tasks):
                 yield ("work", name, "tasks", k, "at"), workers, task.at
     for n, person in walking:
         for key, tasks in (("schedule", person.schedule), ("breaks", person.breaks)):

@@ -65,47 +65,47 @@ def read_law(terms: Mapping[str, Any], folder: CodeFolder, place: str = "") -> A
         raise WrittenLawError(
             f"give one law with its terms: {', '.join(LAWS)}, or package.module:Class"
         )
-    ((name, given),) = terms.items()
+    ((name, values),) = terms.items()
     if ":" not in name and name not in LAWS:
         raise WrittenLawError(
             f"no law is called {name!r}; {suggestion(name, LAWS)}"
             " (your own is package.module:Class)"
         )
-    if name == "fixed" and not isinstance(given, Mapping):
-        given = {"metres": given}
-    given = {} if given is None else given
-    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+    if name == "fixed" and not isinstance(values, Mapping):
+        values = {"metres": values}
+    values = {} if values is None else values
+    if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
         needed = f" ({', '.join(_needed(name))})" if name in LAWS else ""
         raise WrittenLawError(
-            f"expected the terms of the law{needed} with their values, found {given!r}", name
+            f"expected the terms of the law{needed} with their values, found {values!r}", name
         )
     if ":" in name:
-        return _own_law(name, given, folder, place)
+        return _own_law(name, values, folder, place)
     form = LAWS[name]
-    known = {term.name: term for term in fields(form)}
-    for term, value in given.items():
-        _check_term(name, term, value, known)
-    if missing := [term for term in _needed(name) if term not in given]:
+    term_fields = {term.name: term for term in fields(form)}
+    for term, value in values.items():
+        _check_term(name, term, value, term_fields)
+    if missing := [term for term in _needed(name) if term not in values]:
         be = "is" if len(missing) == 1 else "are"
         raise WrittenLawError(f"{' and '.join(missing)} {be} missing", name)
     try:
-        law: AnyLaw = form(**{term: value for term, value in given.items() if value is not None})
+        law: AnyLaw = form(**{term: value for term, value in values.items() if value is not None})
         return law
     except ValueError as why:
-        at = next((term for term in given if str(why).startswith(f"{term} ")), None)
+        at = next((term for term in values if str(why).startswith(f"{term} ")), None)
         raise WrittenLawError(str(why), name, *([at] if at else [])) from why
 
 
-def _own_law(name: str, given: Mapping[str, Any], folder: CodeFolder, place: str) -> AnyLaw:
+def _own_law(name: str, values: Mapping[str, Any], folder: CodeFolder, place: str) -> AnyLaw:
     try:
         folder.find(name, LAW)
     except LawError as why:
         raise WrittenLawError(str(why), name) from why
-    return OwnLaw(name, given, folder.path, place)
+    return OwnLaw(name, values, folder.path, place)
 
 
-def _no_term(law: str, term: str, known: Iterable[str]) -> WrittenLawError:
-    there = ", ".join(known)
+def _no_term(law: str, term: str, terms: Iterable[str]) -> WrittenLawError:
+    there = ", ".join(terms)
     hint = f"its terms: {there}" if there else "it has none"
     return WrittenLawError(f"{law} has no term {term!r}; {hint}", law, term)
 
@@ -115,10 +115,10 @@ def _needed(law: str) -> list[str]:
     return [term.name for term in fields(LAWS[law]) if term.default is MISSING]
 
 
-def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[Any]]) -> None:
-    if term not in known:
-        raise _no_term(law, term, known)
-    if value is None and known[term].default is None:
+def _check_term(law: str, term: str, value: object, term_fields: Mapping[str, Field[Any]]) -> None:
+    if term not in term_fields:
+        raise _no_term(law, term, term_fields)
+    if value is None and term_fields[term].default is None:
         return
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise WrittenLawError(f"expected a number, found {value!r}", law, term)
@@ -275,7 +275,7 @@ def build_rules(
         gantry_law=gantry_law or base.gantry_law,
         agv_law=law(keys.agv_law, "agv_law") or base.agv_law,
         laws={**base.laws}
-        | {key: found for key, found in of_machines.items() if found is not None},
+        | {key: of_machine for key, of_machine in of_machines.items() if of_machine is not None},
         notice=_notice(keys.notice, base.notice, noticed_by),
         reactions={**base.reactions, **keys.reactions},
         **_plain(keys),
@@ -290,18 +290,18 @@ def build_rules(
 
 def _plain(keys: RuleKeys) -> dict[str, Any]:
     """Return the values of simple keys. Missing and null keys are those of the base."""
-    given = {key: getattr(keys, key) for key in _ALIKE if key in keys.model_fields_set}
-    if isinstance(measure := given.get("machine"), Disable):
-        given |= {"machine": "disable", "gantry_disabled": measure.disable}
+    values = {key: getattr(keys, key) for key in _ALIKE if key in keys.model_fields_set}
+    if isinstance(measure := values.get("machine"), Disable):
+        values |= {"machine": "disable", "gantry_disabled": measure.disable}
     may_be_none = "report_every"
-    return {key: value for key, value in given.items() if value is not None or key == may_be_none}
+    return {key: value for key, value in values.items() if value is not None or key == may_be_none}
 
 
 def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
-    given = keys.model_fields_set
+    present = keys.model_fields_set
     factor = base.law.factor if keys.factor is None else keys.factor
-    cap = (keys.cap or math.inf) if "cap" in given else base.law.cap
-    every = keys.every if "every" in given else base.every
+    cap = (keys.cap or math.inf) if "cap" in present else base.law.cap
+    every = keys.every if "every" in present else base.every
     parting = keys.parting or (math.inf if keys.every else base.parting)
     if every is None and parting == math.inf:
         parting = Notice(law=base.law).parting

@@ -57,12 +57,12 @@ class NumberCondition:
     bounds: tuple[tuple[str, float], ...]
 
     @staticmethod
-    def parse(wanted: Any) -> NumberCondition:
-        """Return the comparison of `wanted`, a number or text. `UserError` if it is invalid."""
-        if is_figure(wanted):
-            return NumberCondition(f"= {wanted}", (("==", wanted),))
-        if isinstance(wanted, str):
-            if tolerance := re.fullmatch(_TOLERANCE, wanted):
+    def parse(written: Any) -> NumberCondition:
+        """Return the comparison of `written`, a number or text. `UserError` if it is invalid."""
+        if is_figure(written):
+            return NumberCondition(f"= {written}", (("==", written),))
+        if isinstance(written, str):
+            if tolerance := re.fullmatch(_TOLERANCE, written):
                 middle, more = Decimal(tolerance[1]), Decimal(tolerance[2])
                 if (
                     more >= 0 and is_figure(float(middle)) and is_figure(float(more))
@@ -71,13 +71,13 @@ class NumberCondition:
                         f"{tolerance[1]} ± {tolerance[2]}",
                         ((">=", float(middle - more)), ("<=", float(middle + more))),
                     )
-            found = [re.fullmatch(_BOUND, part) for part in wanted.split(",")]
-            bounds = tuple((bound[1], float(bound[2])) for bound in found if bound)
-            if len(bounds) == len(found) and all(is_figure(bound) for _, bound in bounds):
-                return NumberCondition(wanted.strip(), bounds)
+            matches = [re.fullmatch(_BOUND, part) for part in written.split(",")]
+            bounds = tuple((bound[1], float(bound[2])) for bound in matches if bound)
+            if len(bounds) == len(matches) and all(is_figure(bound) for _, bound in bounds):
+                return NumberCondition(written.strip(), bounds)
         raise UserError(
             "expected a number or a comparison such as '>= 1.0', '> 1, < 2' or '8.0 ± 0.1',"
-            f" found {wanted!r}"
+            f" found {written!r}"
         )
 
     def __str__(self) -> str:
@@ -150,7 +150,7 @@ class EventPattern:
     def matches(self, event: Event) -> bool:
         """Return whether `event` matches the pattern."""
         return event["kind"] == self.kind and all(
-            _is(event.get(key), wanted) for key, wanted in self.fields
+            _is(event.get(key), condition) for key, condition in self.fields
         )
 
     def found(self, run: Outcome) -> Iterator[tuple[int, Event]]:
@@ -158,7 +158,7 @@ class EventPattern:
         return ((k, event) for k, event in enumerate(run.events) if self.matches(event))
 
     def __str__(self) -> str:
-        fields = ", ".join(f"{key} {in_words(wanted)}" for key, wanted in self.fields)
+        fields = ", ".join(f"{key} {in_words(condition)}" for key, condition in self.fields)
         return f"{self.kind} ({fields})" if fields else self.kind
 
 
@@ -225,13 +225,13 @@ def read_event(written: Any, trial: Scenario) -> EventPattern:
         return EventPattern(kind)
     forms = EVENT_KINDS[kind].forms
     fields = []
-    for key, wanted in written.items():
+    for key, value in written.items():
         if key == "kind":
             continue
         if key not in forms:
             hint = suggestion(str(key), forms) if forms else "it has no fields"
             raise UserError(f"an event {kind!r} has no field {key!r}; {hint}")
-        fields.append((key, _value(kind, key, forms[key], wanted, trial)))
+        fields.append((key, _value(kind, key, forms[key], value, trial)))
     return EventPattern(kind, tuple(fields))
 
 
@@ -265,33 +265,33 @@ def read_state(written: Any, trial: Scenario) -> Near | Moves:
     )
 
 
-def _value(kind: str, key: str, form: Form, wanted: Any, trial: Scenario) -> Any:
+def _value(kind: str, key: str, form: Form, value: Any, trial: Scenario) -> Any:
     if form == "number":
-        return NumberCondition.parse(wanted)
+        return NumberCondition.parse(value)
     if form == "flag":
-        if not isinstance(wanted, bool):
-            raise UserError(f"{key}: expected true or false, found {wanted!r}")
-        return wanted
+        if not isinstance(value, bool):
+            raise UserError(f"{key}: expected true or false, found {value!r}")
+        return value
     if form in ("point", "list"):
         raise UserError(f"{key} of an event {kind!r} is a {form}; only single values are compared")
-    if form == "location" and is_figure(wanted):
-        return wanted
-    known = known_names(trial, form)
-    if known is not None:
-        return checked_name(wanted, form, known)
-    if not isinstance(wanted, str):
-        raise UserError(f"{key}: expected text, found {wanted!r}")
-    return wanted
+    if form == "location" and is_figure(value):
+        return value
+    names = known_names(trial, form)
+    if names is not None:
+        return checked_name(value, form, names)
+    if not isinstance(value, str):
+        raise UserError(f"{key}: expected text, found {value!r}")
+    return value
 
 
 def _body(name: Any, trial: Scenario) -> str:
     return checked_name(name, "body", [*people(trial), *machines(trial)])
 
 
-def _is(found: Any, wanted: Any) -> bool:
-    if isinstance(wanted, NumberCondition):
-        return is_figure(found) and wanted.passes(found)
-    return bool(found == wanted)
+def _is(value: Any, condition: Any) -> bool:
+    if isinstance(condition, NumberCondition):
+        return is_figure(value) and condition.passes(value)
+    return bool(value == condition)
 
 
 INSTANT = 1e-6
@@ -376,8 +376,8 @@ class Statement:
             return self._answered(run, *window)
         if self.form == "always":
             gap = self._gap(run, *window)
-            found = "so all the time" if gap is None else f"not so at t = {gap:.3f} s"
-            return self._verdict(run, window, found, gap is None, gap, 0)
+            result = "so all the time" if gap is None else f"not so at t = {gap:.3f} s"
+            return self._verdict(run, window, result, gap is None, gap, 0)
         times = self._times(run, *window)
         first = times[0] if times else None
         if self.form == "never":
@@ -390,7 +390,7 @@ class Statement:
         self,
         run: Outcome,
         window: tuple[Moment, Moment],
-        found: str,
+        result: str,
         met: bool,
         time: float | None,
         count: int,
@@ -399,7 +399,7 @@ class Statement:
         (begin, _), (end, _) = window
         amount, unit = self._slack(run, begin, end, count)
         amount = slack.signed(amount, met=met)
-        return Verdict(str(self), found=found, met=met, time=time, slack=amount, unit=unit)
+        return Verdict(str(self), found=result, met=met, time=time, slack=amount, unit=unit)
 
     def _slack(self, run: Outcome, begin: float, end: float, count: int) -> tuple[float, str]:
         """Return the slack and its unit. It is a distance, a count or a duration."""
@@ -408,11 +408,11 @@ class Statement:
             spare = what.spare(run, begin, end)
             return (-spare if self.form == "eventually" else spare), "m"
         if isinstance(what, EventPattern) or self.form == "eventually":
-            wanted = self.times or NumberCondition.parse(0 if self.form == "never" else ">= 1")
-            return wanted.slack(count), ""
+            condition = self.times or NumberCondition.parse(0 if self.form == "never" else ">= 1")
+            return condition.slack(count), ""
         parts = ((max(b, begin), min(e, end)) for b, e in what.intervals(run))
-        held = sum(max(until - since, 0.0) for since, until in parts)
-        return (-held if self.form == "never" else held - (end - begin)), "s"
+        duration = sum(max(until - since, 0.0) for since, until in parts)
+        return (-duration if self.form == "never" else duration - (end - begin)), "s"
 
     def _times(self, run: Outcome, begin: Moment, end: Moment) -> list[float]:
         """Return the times of the events or begins of the state between two moments."""
@@ -451,10 +451,10 @@ class Statement:
             least = min(least, until - followed[0])
         amount = slack.signed(least, met=missed is None)
         if missed is None:
-            found = f"followed each of {answered}"
-            return Verdict(str(self), found=found, met=True, slack=amount, unit="s")
-        found = f"none followed {self.trigger.kind} at t = {missed['t']:.3f} s"
-        return Verdict(str(self), found=found, met=False, time=missed["t"], slack=amount, unit="s")
+            result = f"followed each of {answered}"
+            return Verdict(str(self), found=result, met=True, slack=amount, unit="s")
+        result = f"none followed {self.trigger.kind} at t = {missed['t']:.3f} s"
+        return Verdict(str(self), found=result, met=False, time=missed["t"], slack=amount, unit="s")
 
     def __str__(self) -> str:
         if self.trigger is not None:

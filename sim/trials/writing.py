@@ -176,13 +176,13 @@ def _agv(trial: Scenario, name: str) -> Any:
 
 
 def _machine(name: str, entry: MachineEntry, trial: Scenario) -> Data:
-    known = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
-    if not (known or isinstance(entry.kind, str)):
+    kinds = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
+    if not (kinds or isinstance(entry.kind, str)):
         raise UserError(f"the machine {name!r} can't be written: give its kind by name")
     keys = dict(entry.keys)
     if callable(keys.get("controller")):
         keys["controller"] = _controller(keys["controller"], "vehicle", trial)
-    return {"kind": known[0] if known else entry.kind, **keys}
+    return {"kind": kinds[0] if kinds else entry.kind, **keys}
 
 
 def _planner(choice: PlannerChoice, trial: Scenario) -> Any:

@@ -109,9 +109,9 @@ def results(path):
     with StudyFolder(path.parent, study) as opened:
         if opened.table.rows < len(study):
             opened.table.add({"row": opened.table.rows, "error": None})
-        found = StudyResults(study, path.parent, opened.table.columns())
+        rows = StudyResults(study, path.parent, opened.table.columns())
         if path.suffix == ".jsonl" and crc32(path.read_bytes()) % 10 == 0:
-            write_report(found, path.parent / "report.html")
+            write_report(rows, path.parent / "report.html")
 
 
 def page(path):
@@ -125,10 +125,8 @@ def program(path):
         program,
         act=lambda action: bool(str(action)),
         print=lambda line: None,
-        on_event=lambda entry: None,
         society=bdi.Society(),
-        max_cycles=2000,
-        max_goals=3000,
+        settings=bdi.AgentSettings(on_event=lambda entry: None, max_cycles=2000, max_goals=3000),
     )
     agent.advance(0.0)
     agent.add_percept("human_start")

@@ -268,9 +268,9 @@ def test_an_outsized_number_is_rejected(folder, name, spot, written):
     whole = path.read_bytes()
     read = OWN[name][1] if name in OWN else READERS[name]
     text = whole.decode("utf-8")
-    found = re.search(spot, text, re.DOTALL)
-    assert found is not None, text[:2000]
-    path.write_text(text[: found.start(1)] + written + text[found.end(1) :], encoding="utf-8")
+    match = re.search(spot, text, re.DOTALL)
+    assert match is not None, text[:2000]
+    path.write_text(text[: match.start(1)] + written + text[match.end(1) :], encoding="utf-8")
     try:
         with pytest.raises(floorplan.UserError) as refused:
             read(path)
@@ -286,10 +286,10 @@ def test_an_outsized_number_in_a_recording_of_jupedsim_is_rejected(tmp_path, val
     trial = sim.Trial.parse(f"{HALL}duration: 2\npeople: [{{name: eve}}]")
     sim.export(sim.run(trial), path)
     recorded(path)
-    held = {"nan": "'nan'", "inf": "9e999", "1e300": "1e300"}[value]
+    stored = {"nan": "'nan'", "inf": "9e999", "1e300": "1e300"}[value]
     with closing(sqlite3.connect(path)) as database, database:
         key = " WHERE key = 'fps'" if change.startswith("metadata") else ""
-        database.execute(f"UPDATE {change.format(held)}{key}")
+        database.execute(f"UPDATE {change.format(stored)}{key}")
     with pytest.raises(sim.TrialError):
         recorded(path)
 

@@ -44,8 +44,7 @@ def test_a_program_without_end_is_stopped(case):
         program,
         act=lambda term: True,
         print=lambda text: None,
-        max_cycles=20_000,
-        max_goals=20_000,
+        settings=bdi.AgentSettings(max_cycles=20_000, max_goals=20_000),
     )
     with pytest.raises(bdi.EndlessProgramError, match=r"p\.asl:\d+:\d+: \+!g"):
         agent.advance(1.0)

@@ -28,10 +28,10 @@ CHECKS = (
     judge_faults,
     slack_faults,
 )
-"""Each yields, of a run, all that should not be."""
+"""Checks of all runs. Each yields the faults of a run, in words."""
 
 CHECKS_OF_TRACKS = (separation_faults, judge_faults, slack_faults)
-"""Those that hold where people walk as measured, and machines are of any kind."""
+"""Checks of runs with recorded people and machines of any kind."""
 
 
 def faults(run):

@@ -33,18 +33,18 @@ def main():
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--jobs", type=int, default=1, help="how many at once")
     parser.add_argument("--family", choices=FAMILIES, default="plain", help="which trials")
-    asked = parser.parse_args()
-    make = FAMILIES[asked.family]
-    numbers = range(asked.first, asked.first + asked.trials)
+    options = parser.parse_args()
+    make = FAMILIES[options.family]
+    numbers = range(options.first, options.first + options.trials)
     broken = 0
-    with ProcessPoolExecutor(asked.jobs) as pool:
+    with ProcessPoolExecutor(options.jobs) as pool:
         for number, wrong in zip(
             numbers, pool.map(partial(tried, make), numbers, chunksize=4), strict=True
         ):
             broken += bool(wrong)
             for fault in wrong:
                 print(f"{number}: {fault}", flush=True)
-    print(f"{asked.trials} trials, {broken} broken")
+    print(f"{options.trials} trials, {broken} broken")
     sys.exit(1 if broken else 0)
 
 

@@ -6,10 +6,10 @@ HAIR = 1e-6
 """Metres, and seconds."""
 
 SLACK = 1e-5
-"""Metres. Who stands as close as that to an AGV that stands is beside it, and clear of it."""
+"""m. A standing person this close to a standing AGV is beside it, and clear of it."""
 
 STANDS = 1e-3
-"""m/s. Who is no faster than this stands."""
+"""m/s. A slower body stands."""
 
 
 def contact_faults(run):
@@ -32,7 +32,7 @@ def contact_faults(run):
             before = max(t - HAIR, 0.0)
             walks, drives = (one.state(before).speed > STANDS for one in (person, agv))
             turned = agv.rotation([before, t])
-            if turned[0] != turned[1]:  # it turns on the spot, into a person beside it
+            if turned[0] != turned[1]:  # the vehicle turns on the spot, into a person beside it
                 continue
             if walks or not drives or yields(run.trial, vehicle.name):
                 yield f"{entry.name} touches {vehicle.name} at t = {t:.6f} s"

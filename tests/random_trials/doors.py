@@ -6,13 +6,13 @@ import shapely
 from .movement import sampled
 
 STEP = 0.01
-"""Seconds. How finely motions are sampled."""
+"""Time between samples (s)."""
 
 SLACK = 2e-3
-"""Metres. Who is no farther in than this is beside it."""
+"""m. A person no deeper than this in the door is beside it."""
 
 OUT = 5.0
-"""Seconds from standing until somebody has left a door that closed on them."""
+"""Maximum time from standing until a person has left a door that closed on them (s)."""
 
 
 def door_faults(run):

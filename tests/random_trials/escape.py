@@ -34,7 +34,7 @@ MOVES = 0.05
 def contacts(run):
     """Return person, vehicle, time (s) and depth (m) of the first contact of each pair."""
     times = np.arange(0.0, run.duration, 0.01)
-    found = []
+    touches = []
     for machine in run.scene.machines:
         motion = run.motions[machine.name]
         drives = np.hypot(*motion.velocity(times)[:, :2].T) > MOVES
@@ -45,8 +45,8 @@ def contacts(run):
             deep = (apart - radius < -TOLERANCE) & drives
             if deep.any():
                 depth = radius - apart[deep].min()
-                found.append((person.name, machine.name, times[deep.argmax()], depth))
-    return found
+                touches.append((person.name, machine.name, times[deep.argmax()], depth))
+    return touches
 
 
 def gaps(places, motion, bounds, times):
@@ -83,8 +83,10 @@ def free_place(simulation, name, vehicle):
     now, plan = simulation.clock.now, simulation.trial.floorplan
     people = {person.name: person.walker.human for person in simulation.people}
     bodies = {person.name: person.body.motion for person in simulation.people}
-    known = {machine.name: machine.foreseen(now + 10.0) for machine in simulation.machines.values()}
-    drives = {k: motion for k, motion in known.items() if motion.end > now}
+    foreseen = {
+        machine.name: machine.foreseen(now + 10.0) for machine in simulation.machines.values()
+    }
+    drives = {k: motion for k, motion in foreseen.items() if motion.end > now}
     end = max([now, *(motion.end for motion in (*drives.values(), *bodies.values()))])
     times = np.arange(now, end + STEP, STEP)
     human, me = people[name], bodies.pop(name)

@@ -44,24 +44,24 @@ def slack_faults(run):
 
 def _figure(random, field, run):
     """Return a random expectation of a figure, and whether it is met (None for visits)."""
-    found = field.value(run)
+    value = field.value(run)
     if field.figure.form == "flag":
         wanted = random.random() < 0.5
-        return wanted, found is wanted
+        return wanted, value is wanted
     if field.figure.form == "visits":
         stations = [station.name for station in run.floorplan.stations]
         named = random.choices(stations, k=random.randint(1, 2)) if stations else []
-        wanted = random.choice([named, found or named, [*(found or []), *named]])
+        wanted = random.choice([named, value or named, [*(value or []), *named]])
         how = random.choice(["begin_with", "in_order", "exactly", "never"])
         return {how: [*wanted]}, None
     sign = random.choice([*COMPARED])
     bound = random.choice([0, 1, 2, round(random.uniform(-5.0, 40.0), 2)])
-    if found is not None and random.random() < 0.6:
-        step = random.choice([0, 1, -1, 0.5, math.ulp(found)])
-        bound = found + step
+    if value is not None and random.random() < 0.6:
+        step = random.choice([0, 1, -1, 0.5, math.ulp(value)])
+        bound = value + step
     if not math.isfinite(bound):
         bound = 0
-    met = found is not None and COMPARED[sign](found, bound)
+    met = value is not None and COMPARED[sign](value, bound)
     return f"{sign} {bound!r}", met
 
 

@@ -15,19 +15,19 @@ import numpy as np
 import shapely
 
 CLEARANCE = 1e-4
-"""Metres. So much closer than their radius people may be to anything, from rounding."""
+"""Distance by which people may be closer than their radius, from rounding (m)."""
 
 DEVIATION = 1e-5
-"""Metres. How far a motion may be from its chords."""
+"""Maximum distance of a motion from its chords (m)."""
 
 LEAVES = 5.0
-"""Seconds within which somebody is out of a door that closed on them."""
+"""Maximum time until a person is out of a door that closed on them (s)."""
 
 NEARLY = 0.01
-"""Metres. Whoever could have stopped by less before what closes ahead of them could not."""
+"""m. A person who could stop by less before a closing obstacle need not stop."""
 
 SLOW = 1e-9
-"""m/s. A motion that turns back no faster than this does not turn back."""
+"""m/s. A motion that turns back more slowly does not turn back."""
 
 
 def judge_faults(run):
@@ -81,8 +81,8 @@ class _Chords(NamedTuple):
 
     def within(self, begin, end):
         """Return the chords that end after `begin` and begin before `end` (s)."""
-        kept = (self.end > begin) & (self.begin < end)
-        return _Chords(*(values[kept] for values in self))
+        overlaps = (self.end > begin) & (self.begin < end)
+        return _Chords(*(values[overlaps] for values in self))
 
 
 def _pieces(run, name):
@@ -220,13 +220,13 @@ class _Barrier(NamedTuple):
     prisms: list
 
     def rejected(self, touch, chords, radius, begin):
-        """Return when chords first lead through it from `begin` (s) on, None if they never do."""
+        """Return when chords from `begin` (s) on first lead through the obstacle, or None."""
         near = chords.within(begin, self.end)
         hits = self._hits(touch, near, radius)
         return max(float(near.begin[min(hits)]), begin) if hits else None
 
     def left(self, touch, chords, radius, reach):
-        """Return the time (s) from which no person may touch it.
+        """Return the time (s) from which no person may touch the obstacle.
 
         A person who was inside when it came, or at most `reach` metres before it on the path,
         leaves it first.

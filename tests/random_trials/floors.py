@@ -25,7 +25,7 @@ from floorplan.checks import starting_fault
 from sim.core.schedule import DoorTimes as DoorTimes
 
 TRIES = 200
-"""So many places are tried before a floor has no room for something."""
+"""Number of places that are tried before a floor has no room."""
 
 
 def random_floor(random):

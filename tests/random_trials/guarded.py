@@ -48,7 +48,7 @@ VEHICLES = (
 TOUCH = FixedDistance(1e-6)
 
 LATER = 1e-6
-"""Seconds. Instants of events are rounded to less."""
+"""s. Times of events are rounded to less."""
 
 MOVES = 1e-3
 """m/s. A person who is slower stands."""
@@ -87,13 +87,13 @@ def random_trial_with_fields(number):
 
 
 def _people(random, plan, count):
-    found = []
+    people = []
     for k in range(count):
         at = standing_place(random, plan)
         apart = 2 * plan.human.radius + 0.05
-        while any(math.dist(at, other.at) < apart for other in found):
+        while any(math.dist(at, other.at) < apart for other in people):
             at = standing_place(random, plan)
-        found.append(
+        people.append(
             sim.PersonEntry(
                 f"p{k}",
                 start=sim.Start(random.choice([0.0, random.uniform(0.0, 10.0)])),
@@ -102,7 +102,7 @@ def _people(random, plan, count):
                 personality=random.choice(PERSONALITIES),
             )
         )
-    return tuple(found)
+    return tuple(people)
 
 
 def _vehicle(random, plan, kind, taken):
@@ -142,9 +142,9 @@ def _mission(random, plan):
 
 
 def _fits(plan, keys, pose, *missions):
-    given = {**keys, "at": pose, "missions": missions}
+    moving = {**keys, "at": pose, "missions": missions}
     try:
-        model = sim.KINDS["amr"].read("bot", given)
+        model = sim.KINDS["amr"].read("bot", moving)
         return not [*model.faults(plan, ()), *model.place_faults("bot", plan)]
     except UserError:
         return False

@@ -7,25 +7,25 @@ import numpy as np
 import shapely
 
 CLEARANCE = 1e-4
-"""Metres. So much closer than their radius people may be to what never moves, from rounding."""
+"""Distance by which people may be closer than their radius to fixed obstacles (m)."""
 
 JUMP = 1e-6
-"""Metres. What is no farther apart than this is one place."""
+"""m. Positions no farther apart are one place."""
 
 ROUNDING = 1e-6
-"""Metres, or m/s. What figures may be off by."""
+"""Maximum error of values (m or m/s)."""
 
 STANDS = 5e-3
-"""m/s. Who is no faster than this may turn as they like."""
+"""m/s. A slower person may turn freely."""
 
 STRAIGHT = 1e-4
-"""Radians. A smaller turn is none."""
+"""rad. A smaller turn is none."""
 
 SHARE = 1e-4
-"""Speeds and accelerations may be over a limit by this share of it."""
+"""Share of a limit by which speeds and accelerations may exceed it."""
 
 STEP = 0.02
-"""Seconds. How finely motions are sampled, besides the ends of their pieces."""
+"""Time between samples, in addition to the ends of pieces (s)."""
 
 
 def movement_faults(run):
@@ -175,9 +175,9 @@ def _clearance_faults(plan, motion, radius):
     places = np.stack(sampled(motion, times, piece)[:2], axis=1)
     same = piece[1:] == piece[:-1]
     segments = np.stack([places[:-1], places[1:]], axis=1)[same]
-    kept, first = np.unique(np.round(segments, 9), axis=0, return_index=True)
-    lines, times = shapely.linestrings(kept), times[:-1][same]
-    inside = shapely.contains_xy(plan.boundary, kept[:, 0, 0], kept[:, 0, 1])
+    distinct, first = np.unique(np.round(segments, 9), axis=0, return_index=True)
+    lines, times = shapely.linestrings(distinct), times[:-1][same]
+    inside = shapely.contains_xy(plan.boundary, distinct[:, 0, 0], distinct[:, 0, 1])
     for index in np.flatnonzero(shapely.dwithin(solid, lines, radius - CLEARANCE) | ~inside)[:3]:
         gap = shapely.distance(solid, lines[index])
         t = times[first[index]]

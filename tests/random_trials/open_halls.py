@@ -61,13 +61,13 @@ def open_hall(number):
 
 def under_way(run, name):
     """Return the intervals in which a person walks to one goal (s)."""
-    since, found = None, []
+    since, intervals = None, []
     for event in run.events:
         if event.get("person") == name and event["kind"] in ("goal", "arrived"):
             if since is not None:
-                found.append((since, event["t"]))
+                intervals.append((since, event["t"]))
             since = event["t"] if event["kind"] == "goal" else None
-    return found if since is None else [*found, (since, run.duration)]
+    return intervals if since is None else [*intervals, (since, run.duration)]
 
 
 def long_waits(run):

@@ -16,7 +16,7 @@ RATE = 200.0
 """Hz."""
 
 STRIDE = 10
-"""Samples between those of which accelerations and jerks are differences."""
+"""Distance of the samples whose differences are accelerations and jerks."""
 
 DEEP = 2e-3
 """Metres. Less than this is no overlap."""
@@ -25,7 +25,7 @@ MOVES = 1e-3
 """m/s and rad/s. A body that is slower is at rest."""
 
 NEAR = 3.0 / RATE
-"""Seconds between an instant of an event and its samples."""
+"""Maximum time between an event and its samples (s)."""
 
 PATHS = ("oblivious", "pausing", "avoiding", "parked")
 """Controllers that plan paths, which lead through nothing."""
@@ -35,9 +35,9 @@ ROWS = ("people", "walls", "machines", "limits", "fields", "events")
 
 def vehicle_faults(run):
     """Yield all faults of a run, in words, each with its row."""
-    found = Sampled(run)
+    samples = Sampled(run)
     for row in ROWS:
-        for fault in getattr(found, row)():
+        for fault in getattr(samples, row)():
             yield f"{row}: {fault}"
 
 
@@ -171,24 +171,24 @@ class Sampled:
 
     def touches(self, vehicle, polygon, at, radius):
         """Return whether the disc of a person reaches into a polygon of a vehicle, by samples."""
-        found = np.zeros(len(self.t), dtype=bool)
+        touching = np.zeros(len(self.t), dtype=bool)
         reach = float(np.hypot(*shapely.get_coordinates(polygon).T).max())
         near = np.hypot(at[:, 0] - vehicle.x, at[:, 1] - vehicle.y) < reach + radius
         k = np.flatnonzero(near)
         if len(k):
             points = shapely.points(at[k])
-            found[k] = shapely.distance(vehicle.placed(polygon, k), points) < radius
-        return found
+            touching[k] = shapely.distance(vehicle.placed(polygon, k), points) < radius
+        return touching
 
     def _walks_into(self, vehicle, at, k, walks):
         """Return whether the person's own motion makes the two touch."""
         if walks < 3 * MOVES / RATE:
             return False
         before = max(0, k - 3)
-        held = vehicle.placed(vehicle.outline, np.array([before]))[0]
+        placed = vehicle.placed(vehicle.outline, np.array([before]))[0]
         stays = vehicle.placed(vehicle.outline, np.array([k]))[0]
-        gap = held.distance(shapely.Point(at[before]))
-        by_person = gap - held.distance(shapely.Point(at[k]))
+        gap = placed.distance(shapely.Point(at[before]))
+        by_person = gap - placed.distance(shapely.Point(at[k]))
         by_vehicle = gap - stays.distance(shapely.Point(at[before]))
         return by_person >= by_vehicle
 
@@ -237,12 +237,12 @@ class Sampled:
     @staticmethod
     def _drives_into(inside, t, times, stop_time):
         """Return where a vehicle is in a closed door, unless it could not stop before the door."""
-        found = np.zeros(len(t), dtype=bool)
+        driven = np.zeros(len(t), dtype=bool)
         for first, last in spans_of(inside):
             for begin, end in times:
                 if not t[first] <= begin + stop_time:
-                    found[first : last + 1] |= (t[first : last + 1] > begin) & (t[first] < end)
-        return found
+                    driven[first : last + 1] |= (t[first : last + 1] > begin) & (t[first] < end)
+        return driven
 
     def _through_gates(self, vehicle):
         if vehicle.keys.get("controller", "oblivious") not in PATHS:
@@ -279,12 +279,12 @@ class Sampled:
                     yield f"{one} and {other} overlap at t = {self.t[first]:.3f} s"
 
     def _overlap(self, a, b):
-        found = np.zeros(len(self.t), dtype=bool)
+        overlapping = np.zeros(len(self.t), dtype=bool)
         near = np.hypot(a.x - b.x, a.y - b.y) < a.reach + b.reach
         k = np.flatnonzero(near & (a.moves | b.moves))
         if len(k):
-            found[k] = shapely.intersects(a.placed(a.core, k), b.placed(b.core, k))
-        return found
+            overlapping[k] = shapely.intersects(a.placed(a.core, k), b.placed(b.core, k))
+        return overlapping
 
     # Limits.
 
@@ -375,7 +375,7 @@ class Sampled:
         """Return the number of the field set in force at each sample, -1 for none."""
         v = [np.concatenate([values, values[-1:]]) for values in vehicle.velocity()]
         speed = np.where(vehicle.moves, np.hypot(v[0], v[1]), 0.0)
-        found = np.full(len(self.t), -1)
+        numbers = np.full(len(self.t), -1)
         for k in reversed(range(len(fields.sets))):
             one = fields.sets[k]
             if one.load not in (None, vehicle.keys.get("load") is not None):
@@ -387,8 +387,8 @@ class Sampled:
                 first, last = one.direction
                 angle = (np.arctan2(v[1], v[0]) - first + 1e-3) % math.tau
                 fits &= (speed < MOVES) | (angle <= last - first + 2e-3)
-            found[fits] = k
-        return found
+            numbers[fits] = k
+        return numbers
 
     def _muted(self, vehicle, fields):
         muted = np.zeros(len(self.t), dtype=bool)
@@ -419,14 +419,14 @@ class Sampled:
 
     def _intervals(self, begins, ends, **fields):
         """Return the intervals (s) between two kinds of events. The last one may be open."""
-        found, since = [], None
+        intervals, since = [], None
         for e in self.of(begins, ends, **fields):
             if e["kind"] == begins and since is None:
                 since = e["t"]
             elif e["kind"] == ends and since is not None:
-                found.append((since, e["t"]))
+                intervals.append((since, e["t"]))
                 since = None
-        return found if since is None else [*found, (since, math.inf)]
+        return intervals if since is None else [*intervals, (since, math.inf)]
 
     def _responses(self, vehicle, fields, inside):
         """Yield intrusions for which a vehicle is not stopped after the response time."""
@@ -514,7 +514,7 @@ class Sampled:
     def _idle(self, name, idle):
         """Yield a vehicle whose idle time differs from the time that it stands without a reason."""
         if self.of("contact", machine=name):
-            return  # it stands until its controller moves it
+            return  # the vehicle stands until its controller moves it
         spans = self._intervals("machine_waiting", "machine_proceeds", machine=name)
         for kind in ("field_stop", "protective_stop"):
             spans += self._intervals(kind, f"{kind}_ended", machine=name)

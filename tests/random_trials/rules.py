@@ -13,17 +13,17 @@ from .movement import instants, state_of
 from .separation import measured_point, pose_before
 
 INSTANT = 1e-8
-"""Seconds. Times in events are rounded: what is no farther apart may be at once."""
+"""s. Times in events are rounded, so those no farther apart may be equal."""
 
 FIGURE = 1e-5
-"""Metres or m/s. What figures in events may be off by."""
+"""Maximum error of values in events (m or m/s)."""
 
 REACH = 1.25
-"""Metres. So near to a station somebody may have arrived, if another keeps them from it."""
+"""Distance to a station at which a person blocked by another has arrived (m)."""
 
 
 SOON = 6.0
-"""Seconds. People may be committed to walk over a place that they can reach by then."""
+"""s. People may be committed to walk over any place that they can reach by then."""
 
 
 def rule_faults(run):
@@ -65,9 +65,9 @@ def _violation_faults(run):
         ]
         poses = [pose_before(run, person, t), *((at, 0.0) for at in puts)]
         wanted = [event[name] for name in ("distance", "human_speed", "robot_speed")]
-        found = [(math.dist(at, point), human, robot) for at, human in poses]
-        if not any(np.allclose(wanted, figures, rtol=0, atol=FIGURE) for figures in found):
-            yield f"it was {found}: {event}"
+        measured = [(math.dist(at, point), human, robot) for at, human in poses]
+        if not any(np.allclose(wanted, figures, rtol=0, atol=FIGURE) for figures in measured):
+            yield f"it was {measured}: {event}"
         if event["distance"] > event["required"] + FIGURE:
             yield f"a violation without need: {event}"
         if robot > FIGURE and event["cause"] == "person":
@@ -182,7 +182,9 @@ def _standing_faults(run):
     ):
         yield f"the gantry is enabled at {enabled}, and should be at {due}"
     standing = [("gantry", *interval) for interval in _disabled(run)]
-    standing += [(name, *interval) for name, found in _stops(run).items() for interval in found]
+    standing += [
+        (name, *interval) for name, intervals in _stops(run).items() for interval in intervals
+    ]
     for machine, begin, end in standing:
         if machine == "gantry":
             # Reduce the acceleration to zero, brake, and reduce the deceleration to zero.
@@ -235,7 +237,7 @@ def _figure_faults(run):
         yield f"the summary says {summary['violations']}, of {len(with_gantry)} with the gantry"
     times = {
         "gantry_disabled_time": [(a, min(b, run.duration)) for a, b in _disabled(run)],
-        "protective_stop_time": [i for found in _stops(run).values() for i in found],
+        "protective_stop_time": [i for stops in _stops(run).values() for i in stops],
     }
     for name, intervals in times.items():
         seconds = sum(b - a for a, b in intervals)
@@ -323,7 +325,7 @@ def _top_speed(run, person):
 
 
 ANNOUNCED = 10.0
-"""Seconds before an AGV sets out at which people reckon with it."""
+"""Time before the start of an AGV from which people take it into account (s)."""
 
 
 def _beside_home_faults(run, event, home, radius):

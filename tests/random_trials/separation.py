@@ -12,19 +12,19 @@ from navigation import Moving, TooClose, when
 from .movement import sampled, state_of
 
 STEP = 0.01
-"""Seconds. How finely motions are sampled."""
+"""Time between samples (s)."""
 
 SLACK = 1e-6
-"""Metres. How far a distance may be from where it counts as too close, for rounding."""
+"""Maximum error of a distance compared with the required one, from rounding (m)."""
 
 LOOSE = 0.03
-"""Metres. The same where the requirement is known from a curve only."""
+"""Maximum error if the required distance comes from a curve (m)."""
 
 RESOLUTION = 1e-6
-"""Seconds. Intervals that last no longer than this are none, nor are such gaps between two."""
+"""s. Shorter intervals, and shorter gaps between intervals, are ignored."""
 
 AGV_STANDS = 0.01
-"""m/s. An AGV that is no faster never counts."""
+"""m/s. A slower AGV never counts."""
 
 
 def separation_faults(run):
@@ -71,12 +71,12 @@ def _referee_faults(run):
             plans = plans or _plans_of(run.trial)
             spans = _agreed(plans[person], plans[machine], run.duration)
         to = measured_point(run, machine)
-        found = [
+        exact = [
             interval
             for begin, end, one, other in spans
             for interval in when(condition, one, other.translated(*to), begin, end)
         ]
-        expected, recorded = _lasting(found), _lasting(intervals)
+        expected, recorded = _lasting(exact), _lasting(intervals)
         if len(expected) != len(recorded) or not np.allclose(
             expected, recorded, rtol=0.0, atol=RESOLUTION
         ):
@@ -145,17 +145,17 @@ def _pair_faults(run, person, machine, intervals):
 def _nearest_faults(run, person):
     """Compare the summary's nearest approach to the gantry with samples."""
     figures = run.summary["people"][person]
-    found, begin = figures["minimum_separation"], figures["started"]
-    if found is None or begin is None:
+    nearest, begin = figures["minimum_separation"], figures["started"]
+    if nearest is None or begin is None:
         return
     t, distance, _, _ = _side_by_side(run, person, "gantry")
     distance = distance[t >= begin]
     if not len(distance):
         return
-    if found["distance"] > distance.min() + SLACK:
-        yield f"came nearer than {found['distance']} m: {distance.min()} m"
-    if found["distance"] < distance.min() - 4.0 * STEP:
-        yield f"never came as near as {found['distance']} m: {distance.min()} m"
+    if nearest["distance"] > distance.min() + SLACK:
+        yield f"came nearer than {nearest['distance']} m: {distance.min()} m"
+    if nearest["distance"] < distance.min() - 4.0 * STEP:
+        yield f"never came as near as {nearest['distance']} m: {distance.min()} m"
 
 
 def _side_by_side(run, person, machine):

@@ -12,8 +12,8 @@ from .open_halls import faults_in_hall
 
 @pytest.mark.parametrize("first", range(0, 20, 5))
 def test_every_contact_with_a_vehicle_was_unavoidable(first):
-    found = [faults_in_hall(number)[0] for number in range(first, first + 5)]
-    assert [fault for wrong in found for fault in wrong] == []
+    by_hall = [faults_in_hall(number)[0] for number in range(first, first + 5)]
+    assert [fault for wrong in by_hall for fault in wrong] == []
 
 
 def test_a_person_leaves_by_a_walk_between_the_discs_and_the_vehicle():
@@ -30,5 +30,5 @@ HALLS = 1000 if os.environ.get("HYPOTHESIS_PROFILE") == "explore" else 200
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, HALLS, 50))
 def test_every_contact_with_a_vehicle_was_unavoidable_in_many_halls(first):
-    found = [faults_in_hall(number)[0] for number in range(first, first + 50)]
-    assert [fault for wrong in found for fault in wrong] == []
+    by_hall = [faults_in_hall(number)[0] for number in range(first, first + 50)]
+    assert [fault for wrong in by_hall for fault in wrong] == []

@@ -99,23 +99,23 @@ def test_faults_of_vehicles_are_detected(monkeypatch):
 @pytest.mark.parametrize("first", range(100, 120, 5))
 def test_many_trials_of_all_kinds_of_vehicles_have_no_faults(first):
     numbers = range(first, first + 5)
-    found = {n: [*vehicle_faults(sim.run(random_trial_of_vehicles(n)))] for n in numbers}
-    assert {number: wrong for number, wrong in found.items() if wrong} == {}
+    by_trial = {n: [*vehicle_faults(sim.run(random_trial_of_vehicles(n)))] for n in numbers}
+    assert {number: wrong for number, wrong in by_trial.items() if wrong} == {}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(100, 120, 5))
 def test_a_vehicle_with_fields_touches_no_person_in_many_trials(first):
-    found = {n: faults(sim.run(random_trial_with_fields(n))) for n in range(first, first + 5)}
-    assert {number: wrong for number, wrong in found.items() if wrong} == {}
+    by_trial = {n: faults(sim.run(random_trial_with_fields(n))) for n in range(first, first + 5)}
+    assert {number: wrong for number, wrong in by_trial.items() if wrong} == {}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(100, 150, 10))
 def test_many_random_trials_have_no_faults(first):
     numbers, kinds = range(first, first + 10), (random_trial, tracked_trial)
-    found = {(n, kind.__name__): faults(sim.run(kind(n))) for n in numbers for kind in kinds}
-    assert {key: wrong for key, wrong in found.items() if wrong} == {}
+    by_trial = {(n, kind.__name__): faults(sim.run(kind(n))) for n in numbers for kind in kinds}
+    assert {key: wrong for key, wrong in by_trial.items() if wrong} == {}
 
 
 def test_faults_of_people_and_rules_are_detected():
@@ -154,4 +154,4 @@ def test_faults_of_people_and_rules_are_detected():
         "the closed door shut is there": {"trial": replace(run.trial, floorplan=shut)},
     }
     for fault, change in tampered.items():
-        assert any(fault in found for found in faults(replace(run, **change))), fault
+        assert any(fault in reported for reported in faults(replace(run, **change))), fault

@@ -92,7 +92,7 @@ class MovingCart(sim.Machine):
         self._drive()
 
     def hold(self, stands):
-        """Stop where it is, at once, and set out again."""
+        """Stop at once, or start again."""
         now = self._stage.clock.now
         self.body.follow(navigation.standing(self.body.at, start=now))
         self._next.set(None if stands else now + self._model.pause)

@@ -26,7 +26,7 @@ LAWS = (
     navigation.IntegralLaw(t1=0.5, t2=0.5, intrusion=0.8),
     navigation.ApproachLaw(time=1.0, intrusion=0.5),
 )
-"""Laws besides those of the rule sets."""
+"""Laws in addition to those of the rule sets."""
 
 
 def random_trial(number):
@@ -192,17 +192,17 @@ def _apart(people, plan):
     """Move people whose start overlaps another person to their homes, or anywhere if these are
     taken.
     """
-    found = []
+    placed = []
     for person in people:
-        for other in found:
+        for other in placed:
             radii = [entry.radius or plan.human.radius for entry in (person, other)]
             places = [entry.place_on(plan) for entry in (person, other)]
             if all(places) and math.dist(*places) < sum(radii):
                 person = replace(person, at=None)
-        if person.at is None and any(other.at is None for other in found):
+        if person.at is None and any(other.at is None for other in placed):
             person = replace(person, at="anywhere")
-        found.append(person)
-    return tuple(found)
+        placed.append(person)
+    return tuple(placed)
 
 
 def _person(random, plan, k):

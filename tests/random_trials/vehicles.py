@@ -186,14 +186,14 @@ def _fits(plan, keys, *missions):
 
 
 def _people(random, plan, count, machines):
-    found = []
+    people = []
     for k in range(count):
         at = standing_place(random, plan)
-        if at is None or any(math.dist(at, other.at) < 0.8 for other in found):
+        if at is None or any(math.dist(at, other.at) < 0.8 for other in people):
             continue
         if any(math.dist(at, other) < 2.2 for other in machines):
             continue
-        found.append(
+        people.append(
             sim.PersonEntry(
                 f"p{k}",
                 start=sim.Start(random.choice([0.0, random.uniform(0.0, 10.0)])),
@@ -203,18 +203,18 @@ def _people(random, plan, count, machines):
                 personality=random.choice(PERSONALITIES),
             )
         )
-    return tuple(found)
+    return tuple(people)
 
 
 def _fields(random, plan, keys, duration):
     response = random.choice([0.0, 0.1, 0.3])
     zones = tuple(zone.name for zone in plan.zones if zone.name.startswith("mute"))
     times = ((t := random.uniform(0.0, duration), t + 5.0),) if random.random() < 0.2 else ()
-    given = {**keys}
+    field_keys = {**keys}
     for key in ("controller", "rate", "missions", "at", "repeat", "priority"):
-        given.pop(key, None)
+        field_keys.pop(key, None)
     return sim.MachineFields(
-        sets=_sets(tuple(sorted(given.items())), response),
+        sets=_sets(tuple(sorted(field_keys.items())), response),
         response_time=response,
         restart_delay=random.choice([0.01, 0.5, 2.0]),
         warning_speed=random.choice([0.2, 0.4]),

@@ -9,7 +9,7 @@ import sim
 
 HOUR = 3600.0
 MOST_GROWN = 20e6
-"""Bytes that 23 hours of what happened may take up: some 60,000 motions and 34,000 events."""
+"""Bytes that 23 hours may take up: approximately 60,000 motions and 34,000 events."""
 
 
 def resident():

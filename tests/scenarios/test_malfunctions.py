@@ -43,13 +43,13 @@ def violation():
 
 @pytest.mark.parametrize("seconds", [2.0, 11.9, 12.1, 30.0])
 @pytest.mark.parametrize("delay", [0.5, 3.0])
-def test_the_gantry_stands_until_both_are_over(violation, delay, seconds):
+def test_the_gantry_stands_until_both_stops_are_over(violation, delay, seconds):
     run = run_with((violation + delay, seconds))
     assert first(run, "violation") == pytest.approx(violation)
     until = violation + max(15.0, delay + seconds)
     assert first(run, "gantry_enabled", violation) == pytest.approx(until)
     gantry = run.motions["gantry"]
-    stopped = violation + 4.0  # it brakes as fast as it can
+    stopped = violation + 4.0  # the gantry brakes as fast as it can
     assert gantry.position(stopped) == pytest.approx(gantry.position(until))
     assert run.summary["gantry_disabled_time"] >= until - violation - 1e-6
     broken = [e for e in run.events if e["kind"] == "robot_malfunction"]

@@ -16,7 +16,7 @@ rules:
   based_on: paper
   agv_law: {{fixed: 30.0}}
 """
-"""Wherever the cart drives, it is too close: so it decides when somebody is put back."""
+"""The cart is always too close, so each of its drives puts the person back."""
 
 PHASES = {
     "before the start": lambda arrival: 0.5,
@@ -26,7 +26,7 @@ PHASES = {
     "at a goal": lambda arrival: arrival + 0.001,
     "on the next leg": lambda arrival: arrival + 5.0,
 }
-"""When each of them is, by the time of the first arrival (seconds)."""
+"""Times of the phases, by the time of the first arrival (s)."""
 
 
 def put_back(folder, personality, *times):

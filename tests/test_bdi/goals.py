@@ -1,4 +1,4 @@
-"""Runs of goals, as tests see them."""
+"""Runs of goals for tests."""
 
 import bdi
 

@@ -135,16 +135,16 @@ def test_an_action_may_fail():
 
 
 def test_an_action_may_finish_later():
-    asked = []
+    requests = []
 
     def act(action):
-        asked.append(str(action))
+        requests.append(str(action))
         return bdi.PENDING
 
     source = "!a. !b. +!a <- walk(1); .print(a,on). +!b <- walk(2). -!b <- .print(b,no)."
     agent, log = make(source, act=act)
     agent.advance(0.0)
-    assert asked == ["walk(1)", "walk(2)"]
+    assert requests == ["walk(1)", "walk(2)"]
     assert sorted(map(str, agent.pending_actions.values())) == ["walk(1)", "walk(2)"]
     agent.finish("walk(2)", success=False)
     agent.advance(3.0)

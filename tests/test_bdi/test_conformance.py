@@ -145,8 +145,8 @@ def test_the_command_replays_a_trace(tmp_path):
             {"t": entry["t_ms"] / 1000, "action": entry["action"]} for entry in trace["actions"]
         ]
         assert [entry for entry in written if "action" in entry] == expected
-        said = [{"t": e["t_ms"] / 1000, "print": e["text"]} for e in trace["prints"]]
-        assert [entry for entry in written if "print" in entry] == said
+        printed = [{"t": e["t_ms"] / 1000, "print": e["text"]} for e in trace["prints"]]
+        assert [entry for entry in written if "print" in entry] == printed
 
 
 def test_the_command_runs_until_the_agent_is_idle():

@@ -12,8 +12,8 @@ DOCS = Path(__file__).parents[2] / "docs"
 def blocks(page, language):
     """Return the code blocks of a page in a language ("" for AgentSpeak and scripts)."""
     text = (DOCS / page).read_text(encoding="utf-8")
-    found = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.M | re.S)
-    return [block for kind, block in found if kind == language]
+    fenced = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.M | re.S)
+    return [block for kind, block in fenced if kind == language]
 
 
 def entries(console):

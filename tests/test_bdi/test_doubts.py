@@ -7,9 +7,9 @@ import bdi
 ACTIONS = {"move": (2, 3), "stop": (0, 0)}
 
 
-def told(text):
-    found = bdi.doubts(bdi.parse(text), actions=ACTIONS, events=["human_start", "met"])
-    return [(one.line, one.message) for one in found]
+def doubts_of(text):
+    warnings = bdi.doubts(bdi.parse(text), actions=ACTIONS, events=["human_start", "met"])
+    return [(one.line, one.message) for one in warnings]
 
 
 @pytest.mark.parametrize(
@@ -28,7 +28,7 @@ def told(text):
     ],
 )
 def test_warnings_have_the_line_of_their_cause(text, line, message):
-    ((at, words),) = told(text)
+    ((at, words),) = doubts_of(text)
     assert at == line and message in words
 
 
@@ -45,4 +45,4 @@ def test_warnings_have_the_line_of_their_cause(text, line, message):
     ],
 )
 def test_plausible_programs_cause_no_warning(text):
-    assert told(text) == []
+    assert doubts_of(text) == []

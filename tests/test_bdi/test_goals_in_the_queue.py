@@ -106,11 +106,11 @@ def test_a_goal_that_waits_for_an_action_can_be_ended(how, lines):
 )
 def test_the_step_prints_the_expected_lines(step, lines):
     done = []
-    said = printed(
+    output = printed(
         f"!go. +!go <- {step}. -!go[error(E)] <- .print(E)."
         " +!helper(N) <- .print(N). +?asked(X) <- X = 9. +!not_now : false."
         " +!fails_twice <- .fail. -!fails_twice <- .fail.",
         act=lambda action: not done.append(str(action)),
     )
-    assert said == lines
+    assert output == lines
     assert done == (["jump(1)"] if "jump" in step else [])

@@ -53,9 +53,9 @@ def test_arithmetic_is_that_of_java(expression, result):
 
 @pytest.mark.parametrize("sum_", ["A + 1", "1 + A", "A + B", "B + A", "A + A", "2 * (A + B)"])
 def test_arithmetic_of_other_terms_than_numbers_is_undefined(sum_):
-    for given in ("a", "p(1)", '"a"', "[1]"):
-        assert said(f"A = {given}; B = 2; X = {sum_}; .print(X)") == ["NaN"], given
-        assert said(f"A = {given}; B = 2; .print({sum_})") == ["NaN"], given
+    for term in ("a", "p(1)", '"a"', "[1]"):
+        assert said(f"A = {term}; B = 2; X = {sum_}; .print(X)") == ["NaN"], term
+        assert said(f"A = {term}; B = 2; .print({sum_})") == ["NaN"], term
 
 
 HOLDS = """
@@ -135,7 +135,7 @@ def test_the_formula_holds(formula):
         ("here(1)[seen|R] & X = R", "[]"),
     ],
 )
-def test_solutions_come_in_order(formula, solutions):
+def test_solutions_are_in_order(formula, solutions):
     assert said(f".findall(X, {formula}, L); .print(L)", "here(1). here(2).") == [solutions]
 
 

@@ -6,7 +6,7 @@ from goals import printed, said
 import bdi
 
 
-def test_a_plan_is_taken_apart_put_together_and_carried_out():
+def test_a_plan_is_decomposed_recomposed_and_executed():
     lines = said(
         'P =.. [lbl, {+!x(A)}, true, {.print("x ", A); .wait(10); !y}]; .add_plan(P); !x(3);'
         " .relevant_plans({+!x(_)}, [Q]); Q =.. [L, E, C, {First; Rest}]; .print(L, E, C); First;"

@@ -18,14 +18,14 @@ class World:
 
 
 def make(source, world, **options):
-    said = []
+    lines = []
     agent = bdi.Agent(
         bdi.parse(source),
-        print=said.append,
+        print=lines.append,
         settings=bdi.AgentSettings(live={("here", 2): world.here}),
         **options,
     )
-    return agent, said
+    return agent, lines
 
 
 ASKING = {
@@ -50,30 +50,30 @@ def test_each_query_uses_the_current_live_beliefs(body):
         f"there(X) :- here(X, _). !go. +!go <- {body}; .wait(1000); !go."
         " +!context : here(X, b) <- .print(X). +here(_, _) <- .print(event)."
     )
-    agent, said = make(source, world)
+    agent, lines = make(source, world)
     for t in range(4):
         world.x = t * t
         agent.advance(float(t))
-    assert said == ["0", "1", "4", "9"]
+    assert lines == ["0", "1", "4", "9"]
 
 
 def test_other_queries_do_not_call_the_source():
     world = World()
-    agent, said = make(
+    agent, lines = make(
         "other(1). here(1). !go. +!go : other(X) & not here(X, 1, 2) & not ~here(X, 1)"
         " <- +more(X); -+other(X + 1); .findall(Y, more(Y), L); .print(L); .wait(10); !go."
         " +other(_) <- .print(changed). +!look <- ?here(X, _).",
         world,
     )
     agent.advance(1.0)
-    assert len(said) > 100
+    assert len(lines) > 100
     list(agent.beliefs)
     assert world.looks == 0
 
 
 def test_stored_beliefs_of_the_same_key_can_be_changed():
     world = World()
-    agent, said = make(
+    agent, lines = make(
         "here(7, own). here(X, far) :- X = 9. !go."
         "+!go <- .findall(X, here(X, _), L); .print(L); -here(_, _); -here(_, _);"
         " .abolish(here(_, _)); -+here(8, own); .findall(Y, here(Y, _), M); .print(M)."
@@ -81,18 +81,18 @@ def test_stored_beliefs_of_the_same_key_can_be_changed():
         world,
     )
     agent.advance(0.0)
-    assert said == ["[0,7,9]", "[0,8,9]"]
+    assert lines == ["[0,7,9]", "[0,8,9]"]
     assert [str(belief) for belief in agent.beliefs] == ["here(8,own)[source(self)]"]
 
 
 def test_stored_beliefs_of_the_same_key_are_indexed():
     world = World()
     many = " ".join(f"here({n}, n)." for n in range(1, 100))
-    agent, said = make(
+    agent, lines = make(
         f"{many} !go. +!go <- ?here(50, W); .print(W); ?here(0, V); .print(V).", world
     )
     agent.advance(0.0)
-    assert said == ["n", "b"]
+    assert lines == ["n", "b"]
 
 
 def test_a_source_with_a_wrong_number_of_arguments_is_rejected():

@@ -158,8 +158,8 @@ REACTIONS = [
 def test_people_react_to_the_gantry_by_personality(person, script):
     scene = Scene(*person.split()).walking()
     for line in script:
-        given, _, expected = line.partition(">")
-        time, *percept = given.split()
+        step, _, expected = line.partition(">")
+        time, *percept = step.split()
         at, *actions = expected.split() or ["0"]
         wanted = [(float(at), PLACES.get(action, action)) for action in actions]
         assert scene.at(float(time), *percept) == wanted, line

@@ -198,8 +198,8 @@ def test_messages_to_several_agents_to_itself_and_with_unknown_goals():
     )
     society.advance(1.0)
     error = "Communication error -- "
-    told = '+!kqml_received(ann,tell,"text",mid3)'
-    nothing = f"Found a goal for which there is no applicable plan: {told}"
+    received = '+!kqml_received(ann,tell,"text",mid3)'
+    nothing = f"Found a goal for which there is no applicable plan: {received}"
     assert log == [
         ("ann", "[ann,bob,cyd]"),
         ("ann", "self"),

@@ -119,10 +119,10 @@ def test_python_values_become_terms(value, made):
     def my_value(call, result):
         return call.unify(result, value)
 
-    said = []
+    lines = []
     program = bdi.parse("!go. +!go <- my.value(X); .term2string(X, S); .print(S).")
-    bdi.Agent(program, actions=actions, act=lambda action: True, print=said.append).advance(0.0)
-    assert said == [made]
+    bdi.Agent(program, actions=actions, act=lambda action: True, print=lines.append).advance(0.0)
+    assert lines == [made]
 
 
 def test_a_program_has_the_same_hash_after_pickling_in_another_process():
@@ -160,24 +160,24 @@ class List:
         self.beliefs = []
 
     def find(self, args):
-        return next((known for known in self.beliefs if known[0] == args), None)
+        return next((belief for belief in self.beliefs if belief[0] == args), None)
 
     def change(self, how, args, source):
-        known = self.find(args)
+        belief = self.find(args)
         if how.startswith("add"):
-            if known is not None:
-                known[1].add(source)
+            if belief is not None:
+                belief[1].add(source)
             elif how == "add":
                 self.beliefs.insert(0, (args, {source}))
             else:
                 self.beliefs.append((args, {source}))
             return
         if how == "remove first":
-            known = next((known for known in self.beliefs if source in known[1]), None)
-        if known is not None:
-            known[1].discard(source)
-            if not known[1]:
-                self.beliefs.remove(known)
+            belief = next((belief for belief in self.beliefs if source in belief[1]), None)
+        if belief is not None:
+            belief[1].discard(source)
+            if not belief[1]:
+                self.beliefs.remove(belief)
 
 
 def matches(pattern, args):
@@ -200,8 +200,8 @@ def test_beliefs_are_found_in_order_after_any_changes(changes):
         assert [(b.args, set(b.annots)) for b in base] == plain.beliefs
         assert len(base) == len(plain.beliefs)
         for pattern in PATTERNS:
-            found = [belief.args for belief in base.matching(pattern, {})]
-            assert found == [args for args, _ in plain.beliefs if matches(pattern, args)]
+            matching = [belief.args for belief in base.matching(pattern, {})]
+            assert matching == [args for args, _ in plain.beliefs if matches(pattern, args)]
 
 
 CONTEXTS = (
@@ -223,8 +223,8 @@ PLACES = ("a", "b", "X", "Y")
 
 def _rule(random: Random, name: str, below: list[str]) -> str:
     """Return a rule that may query the rules `below`, and sometimes itself."""
-    known = [f"{asked}({', '.join(random.choices('XYab', k=2))})" for asked in below]
-    formulas = [random.choice((*CONTEXTS, *known, *known)) for _ in range(random.randint(1, 3))]
+    queries = [f"{below_name}({', '.join(random.choices('XYab', k=2))})" for below_name in below]
+    formulas = [random.choice((*CONTEXTS, *queries, *queries)) for _ in range(random.randint(1, 3))]
     return f"{name}{random.choice(HEADS)} :- {' & '.join(formulas)}."
 
 
@@ -239,8 +239,8 @@ def _program(random: Random) -> str:
     return "\n".join(rules)
 
 
-def _values(formula: Term, found: Unifier | None) -> str:
-    return "none" if found is None else str(substitute(formula, found))
+def _values(formula: Term, unifier: Unifier | None) -> str:
+    return "none" if unifier is None else str(substitute(formula, unifier))
 
 
 @pytest.mark.parametrize("seed", range(25))
@@ -258,8 +258,8 @@ def test_compiled_contexts_have_the_solutions_of_the_search(seed: int) -> None:
             believed.append(bdi.parse_literal(text))
             agent.believe(believed[-1])
         for _ in range(2):
-            asked = f"{random.choice('rst')}({', '.join(random.choices(PLACES, k=2))})"
-            text = random.choice((asked, f"{asked} & not p(X)", f"q(X, Y) & {asked}"))
+            query = f"{random.choice('rst')}({', '.join(random.choices(PLACES, k=2))})"
+            text = random.choice((query, f"{query} & not p(X)", f"q(X, Y) & {query}"))
             formula = bdi.parse(f"+go : {text} <- done.").plans[0].context
             logic.begin_instant()
             logic.begin_cycle()

@@ -29,9 +29,9 @@ def lay(tmp_path):
     return lay
 
 
-def problems(lay, *given, **more):
+def problems(lay, *arguments, **more):
     with pytest.raises(floorplan.FloorplanError) as wrong:
-        lay(*given, **more)
+        lay(*arguments, **more)
     return [str(problem) for problem in wrong.value.problems]
 
 
@@ -79,7 +79,7 @@ def test_the_floor_is_turned_about_its_origin(lay):
     assert plan.lanes[0].position(1.0) == pytest.approx((-3.5, -1))
 
 
-def test_units_are_those_of_the_floor_on_top(lay):
+def test_units_of_the_floor_on_top_apply(lay):
     plan = lay("""\
         units: cm
         stations: {bench: [500, 500]}
@@ -94,21 +94,23 @@ def test_units_are_those_of_the_floor_on_top(lay):
 
 
 def test_wrong_corrections_have_their_lines(lay):
-    found = problems(lay, "remove: [shelf*, pres]\nmove: {shelf1: [0, 1]}\nrename: {a: b}\n")
-    assert found == [
+    reported = problems(lay, "remove: [shelf*, pres]\nmove: {shelf1: [0, 1]}\nrename: {a: b}\n")
+    assert reported == [
         "line 2, remove[1]: no obstacle of the base is called 'pres'; did you mean 'press'?",
         "line 3, move.shelf1: 'shelf1' is removed as well",
         "line 4, rename.a: no obstacle of the base is called 'a'; there are: press, shelf1, shelf2",
     ]
-    found = problems(lay, "origin: [1, 0]\nobstacles: {box: {x: [0, 2], y: [0, 2], z: [0, 1]}}\n")
-    assert found == ["line 1, stations.dock: (0, 1) is inside obstacle 'box'"]
+    reported = problems(
+        lay, "origin: [1, 0]\nobstacles: {box: {x: [0, 2], y: [0, 2], z: [0, 1]}}\n"
+    )
+    assert reported == ["line 1, stations.dock: (0, 1) is inside obstacle 'box'"]
 
 
 @pytest.mark.parametrize(("at", "hinted"), [("[20, 3]", False), ("[4000, 900]", True)])
 def test_lengths_that_may_be_in_another_unit_have_a_hint(lay, at, hinted):
-    found = problems(lay, f"stations: {{gate: {at}}}\n")
-    assert ("line 1, base: lengths in this file are metres" in found[0]) == hinted
-    assert "outside the boundary" in found[-1] and len(found) == 1 + hinted
+    reported = problems(lay, f"stations: {{gate: {at}}}\n")
+    assert ("line 1, base: lengths in this file are metres" in reported[0]) == hinted
+    assert "outside the boundary" in reported[-1] and len(reported) == 1 + hinted
 
 
 def test_keys_without_their_base(tmp_path):
@@ -227,8 +229,8 @@ def test_geojson_lines_have_a_width(lay, tmp_path):
     assert plan.obstacles["east"].footprint.area == pytest.approx(6.1 * 0.1)
     assert [o.name for o in plan.obstacles] == ["east", "fences1", "fences2", "rail"]
     assert plan.obstacles["rail"].footprint.bounds == pytest.approx((0.9, 4.9, 9.1, 5.1))
-    found = problems(lay, "units: m\n", drawing, "hall.geojson")
-    assert "LineString" in found[0] and "line_width" in found[0]
+    reported = problems(lay, "units: m\n", drawing, "hall.geojson")
+    assert "LineString" in reported[0] and "line_width" in reported[0]
 
 
 @pytest.mark.parametrize("whole", [True, False])
@@ -243,13 +245,13 @@ def test_geojson_without_a_crs_is_in_degrees_unless_it_says_metres(lay, tmp_path
         (tmp_path / "a.geojson").write_text(json.dumps({**data, **more}))
         return floorplan.load(tmp_path / "a.geojson")
 
-    (found,) = problems(load)
-    assert "degrees" in found and '"units": "m"' in found
+    (problem,) = problems(load)
+    assert "degrees" in problem and '"units": "m"' in problem
     assert load(units="m").boundary.bounds[1] == 49.013
     assert load(units="cm").boundary.bounds[1] == pytest.approx(0.49013)
     assert load(crs={"type": "name", "properties": {"name": "EPSG:25832"}}).boundary
-    (found,) = problems(lambda: load(units="pc"))
-    assert "units" in found and "mm" in found
+    (problem,) = problems(lambda: load(units="pc"))
+    assert "units" in problem and "mm" in problem
     assert lay("units: m", json.dumps(data), "b.geojson").boundary.bounds[1] == 49.013
 
 

@@ -23,7 +23,7 @@ CART = {"lanes": (replace(CELL.lanes[0], origin=(2.0, 5.0), heading=0.0, limits=
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("changes", "message"),
     [
         ({"boundary": CROSSED}, r"boundary: .*edges cross at \[5 5\]"),
         (press(CROSSED), r"obstacles.press: .*edges cross at \[5 5\]"),
@@ -49,18 +49,18 @@ CART = {"lanes": (replace(CELL.lanes[0], origin=(2.0, 5.0), heading=0.0, limits=
         ({"gantry": replace(CELL.gantry, start=(9.0, 0.0, 0.0))}, "gantry.start: x = 9"),
     ],
 )
-def test_an_impossible_floor_is_rejected(given, message):
-    plan = replace(SHOP, **given)
-    with pytest.raises(floorplan.FloorplanError, match=message) as told:
+def test_an_impossible_floor_is_rejected(changes, message):
+    plan = replace(SHOP, **changes)
+    with pytest.raises(floorplan.FloorplanError, match=message) as error:
         floorplan.check(plan)
-    assert str(told.value).startswith("floorplan 'shop': ")
+    assert str(error.value).startswith("floorplan 'shop': ")
     with pytest.raises(floorplan.FloorplanError, match=message):
         CollisionWorld(plan)
 
 
-@pytest.mark.parametrize("given", [press(box(5, 4, 5.2, 4.665)), press(box(5, 4, 6, 6), 1.21, 3)])
-def test_an_agv_may_pass_close_by_and_below(given):
-    floorplan.check(replace(SHOP, **CART | given))
+@pytest.mark.parametrize("changes", [press(box(5, 4, 5.2, 4.665)), press(box(5, 4, 6, 6), 1.21, 3)])
+def test_an_agv_may_pass_close_by_and_below(changes):
+    floorplan.check(replace(SHOP, **CART | changes))
 
 
 @pytest.mark.parametrize("name", floorplan.builtin())

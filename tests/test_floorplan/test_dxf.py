@@ -158,9 +158,9 @@ def lay(drawing, tmp_path):
     return lay
 
 
-def problems(load, *given):
+def problems(load, *arguments):
     with pytest.raises(floorplan.FloorplanError) as wrong:
-        load(*given)
+        load(*arguments)
     return [str(problem) for problem in wrong.value.problems]
 
 
@@ -182,10 +182,10 @@ def test_lines_arcs_and_splines_that_meet_are_outlines(drawing, lay):
     slot, lens = (o.footprint for o in plan.obstacles)
     assert slot.area == pytest.approx(2 + math.pi / 4, abs=0.01)
     assert lens.bounds == pytest.approx((6, 2, 8, 3), abs=2e-3)
-    found = problems(lay, layers)
-    assert len(found) == 4
+    reported = problems(lay, layers)
+    assert len(reported) == 4
     assert all(
-        "is open; close it" in one and "0.005 m away; `snap: 0.005`" in one for one in found[:1]
+        "is open; close it" in one and "0.005 m away; `snap: 0.005`" in one for one in reported[:1]
     )
 
 
@@ -287,15 +287,15 @@ def test_a_hollow_group_of_open_lines_is_reported(drawing, lay):
     drawing.modelspace().add_line((2, 2), (4, 2), dxfattribs={"layer": "walls"})
     outline(drawing, [(5, 5)], "walls", close=False)
     groups = "layers: {boundary: [boundary], walls: {layers: [walls], hollow: true}}"
-    found = problems(lay, groups)
-    assert [one.count("has no length") for one in found] == [1, 0]
-    assert "is open; close it" in found[1]
+    reported = problems(lay, groups)
+    assert [one.count("has no length") for one in reported] == [1, 0]
+    assert "is open; close it" in reported[1]
 
 
-def test_a_layer_that_matches_nothing(drawing, lay):
+def test_a_pattern_without_a_matching_layer_is_reported(drawing, lay):
     outline(drawing, HALL, "boundary")
-    found = problems(lay, "layers: {boundary: [boundary], walls: [A-WALL*]}")
-    assert "walls: no layer of the drawing matches 'A-WALL*'; there are: boundary" in found
+    reported = problems(lay, "layers: {boundary: [boundary], walls: [A-WALL*]}")
+    assert "walls: no layer of the drawing matches 'A-WALL*'; there are: boundary" in reported
 
 
 def test_shapes_are_omitted_by_their_handles(drawing, lay):
@@ -488,8 +488,8 @@ def test_a_gap_that_is_too_wide_is_shown_with_the_snap_that_closes_it(drawing, l
     outline(drawing, HALL, "boundary")
     for ends in (((2, 2), (4, 2)), ((4, 2), (4, 3)), ((4, 3), (2, 2.00123))):
         drawing.modelspace().add_line(*ends, dxfattribs={"layer": "bench"})
-    found = problems(lay, "title: shop")
-    (snap,) = {one.split("`snap: ")[1].split("`")[0] for one in found if "snap" in one}
+    reported = problems(lay, "title: shop")
+    (snap,) = {one.split("`snap: ")[1].split("`")[0] for one in reported if "snap" in one}
     assert float(snap) == pytest.approx(0.0013)
     assert len(lay(f"snap: {snap}").obstacles) == 1
 
@@ -498,12 +498,14 @@ def test_a_drawing_without_a_boundary_names_its_layers_first(drawing, load, lay)
     for k in range(30):
         outline(drawing, [(k, 0), (k, 1)], "A-WALL", close=False)
     outline(drawing, BENCH, "A-DESK")
-    found = problems(load)
-    assert found[0].startswith("no layer is called 'boundary'")
-    assert "'A-DESK', 'A-WALL'" in found[0] and "`layers`" in found[0] and "30" in found[0]
-    assert len(found) == 6
-    found = problems(lay, "layers: {walls: [A-WALL]}")
-    assert "'boundary'" in found[0] and "'A-DESK', 'A-WALL'" in found[0] and len(found) == 6
+    reported = problems(load)
+    assert reported[0].startswith("no layer is called 'boundary'")
+    assert "'A-DESK', 'A-WALL'" in reported[0] and "`layers`" in reported[0] and "30" in reported[0]
+    assert len(reported) == 6
+    reported = problems(lay, "layers: {walls: [A-WALL]}")
+    assert (
+        "'boundary'" in reported[0] and "'A-DESK', 'A-WALL'" in reported[0] and len(reported) == 6
+    )
 
 
 def test_ignored_layers_have_one_notice_each(drawing, lay):

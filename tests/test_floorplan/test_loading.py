@@ -40,7 +40,7 @@ def test_a_small_room_is_enough():
         ("{polygon: [[4, 3], [6, 3], [5, 5]], z: [0, 1]}", 2.0),
     ],
 )
-def test_a_footprint_can_be_given_in_several_ways(entry, area):
+def test_a_footprint_has_several_forms(entry, area):
     plan = floorplan.parse(ROOM.replace("{x: [4, 6], y: [3, 5], z: [0, 1]}", entry))
     assert plan.obstacles[0].footprint.area == pytest.approx(area)
 

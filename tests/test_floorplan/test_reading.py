@@ -76,13 +76,13 @@ def test_a_recording_is_of_regular_files(tmp_path):
     recording.finish(sim.run(trial, recording))
     for name in ("motions.jsonl", "events.jsonl", "summary.json", "scene.json"):
         path = tmp_path / "run" / name
-        kept = path.read_bytes()
+        content = path.read_bytes()
         path.unlink()
         os.mkfifo(path)
         with pytest.raises(InputError):
             sim.load_run(tmp_path / "run")
         path.unlink()
-        path.write_bytes(kept)
+        path.write_bytes(content)
     assert sim.load_run(tmp_path / "run").duration == 1.0
 
 
@@ -106,7 +106,7 @@ def test_a_byte_order_mark_is_no_part_of_a_text(tmp_path):
     assert read_text(tmp_path / "questions.csv", InputError) == "x0,y0\n"
 
 
-def test_lines_come_one_by_one_and_a_torn_one_can_be_left_out(tmp_path):
+def test_lines_are_read_one_by_one_and_a_torn_one_can_be_omitted(tmp_path):
     path = tmp_path / "lines"
     path.write_bytes(b"one\n\ntwo\nthr\xc3")
     assert list(read_lines(path, InputError, torn=True)) == ["one", "", "two"]
@@ -132,7 +132,7 @@ def test_a_pipe_from_a_shell_is_read(tmp_path):
 @settings(max_examples=2 * settings.default.max_examples)
 @given(st.integers(0, 2**32), st.integers(1, 14), st.integers(1, 14), st.floats(0, 1))
 @example(11, 13, 11, 0.625)
-def test_outlines_hold_the_cells_that_are_set(seed, rows, columns, share):
+def test_outlines_contain_the_set_cells(seed, rows, columns, share):
     cells = np.random.default_rng(seed).random((rows, columns)) < share
     exact = trace(cells, 0.0)
     assert exact.is_valid
@@ -153,10 +153,10 @@ def test_nested_rooms_and_obstacles_in_them():
     rings = np.ones((39, 39), bool)
     for k in range(0, 20, 2):
         rings[k : 39 - k, k : 39 - k] = k // 2 % 2 == 0
-    found = trace(rings, 0.0)
-    assert found.is_valid
-    assert found.area == rings.sum()
-    assert sorted(len(piece.interiors) for piece in found.geoms) == [1] * 5
+    outlines = trace(rings, 0.0)
+    assert outlines.is_valid
+    assert outlines.area == rings.sum()
+    assert sorted(len(piece.interiors) for piece in outlines.geoms) == [1] * 5
 
 
 def test_cells_that_touch_at_a_corner_are_apart():
@@ -190,10 +190,12 @@ def test_texts_are_not_read_and_everything_else_keeps_its_handle(version, tmp_pa
         path.write_text(one, encoding="utf-8")
         whole, read = ezdxf.readfile(path), open_drawing(path)
         for layout in ("*Model_Space", "PRESS"):
-            kept = [str(entity) for entity in read.blocks.get(layout)]
+            remaining = [str(entity) for entity in read.blocks.get(layout)]
             there = [entity for entity in whole.blocks.get(layout) if entity.dxf.handle]
             if one is bare:
-                assert kept == [str(entity) for entity in there]
+                assert remaining == [str(entity) for entity in there]
             else:
-                assert kept == [str(entity) for entity in there if entity.dxftype() not in TOLD]
-                assert len(kept) < len(there)
+                assert remaining == [
+                    str(entity) for entity in there if entity.dxftype() not in TOLD
+                ]
+                assert len(remaining) < len(there)

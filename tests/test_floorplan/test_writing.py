@@ -93,13 +93,13 @@ def test_geojson_contains_the_obstacles_of_the_floor(plan, tmp_path, floorwalker
     _, _, words = done.stderr.strip().partition(" cannot contain: ")
     assert words == ", ".join(
         words
-        for words, held in (
+        for words, contained in (
             ("AGVs", plan.lanes),
             ("the gantry", plan.gantry),
             ("the patrol", plan.patrol),
             ("measures of people", plan.human != floorplan.Human()),
         )
-        if held
+        if contained
     )
 
 
@@ -127,8 +127,8 @@ def test_a_map_shows_no_free_space_that_is_not_free(tmp_path_factory, rectangles
     area = plan.free(0, 1)
     # Outlines move by less than half a cell when a map is read.
     assert area.buffer(0.46 * resolution).covers(again)
-    kept = area.buffer(-2 * math.sqrt(2) * resolution)
-    largest = max(shapely.get_parts(kept), key=lambda part: part.area)
+    core = area.buffer(-2 * math.sqrt(2) * resolution)
+    largest = max(shapely.get_parts(core), key=lambda part: part.area)
     assert again.buffer(1e-9).covers(largest)
 
 

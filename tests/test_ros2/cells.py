@@ -20,7 +20,7 @@ machines:
 
 GANTRY = """
 floorplan: ariac2023
-duration: 60
+duration: 600
 rules: observe
 gantry: {controller: external}
 people: [{name: ann, at: [-5, 4], personality: external}]

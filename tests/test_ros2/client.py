@@ -103,41 +103,77 @@ def _heading(pose):
 
 
 def navigate(name, x, y, heading=0.0, cancel_after=None):
-    """Send somebody to a place: whether the goal was accepted, its status, and the feedback."""
+    """Send somebody to a place: the outcome, the feedback, and where it ends."""
     from nav2_msgs.action import NavigateToPose
 
-    client = Client()
-    action = ActionClient(client.node, NavigateToPose, f"/{name}/navigate_to_pose")
+    goal = NavigateToPose.Goal(pose=_pose(x, y, heading))
+    answer, feedback = _carried_out(NavigateToPose, f"/{name}/navigate_to_pose", goal, cancel_after)
+    if feedback:
+        at = feedback[-1].current_pose.pose.position
+        answer["distances"] = [one.distance_remaining for one in feedback]
+        answer["times"] = [one.estimated_time_remaining.sec for one in feedback]
+        answer["end"] = [at.x, at.y]
+    return answer
+
+
+def go_through(name, poses, cancel_after=None):
+    """Send somebody through poses: the outcome, and the feedback about the poses left."""
+    from nav2_msgs.action import NavigateThroughPoses
+
+    goal = NavigateThroughPoses.Goal()
+    goal.poses.goals = [_pose(*pose) for pose in poses]
+    action = f"/{name}/navigate_through_poses"
+    answer, feedback = _carried_out(NavigateThroughPoses, action, goal, cancel_after)
+    answer["left"] = [one.number_of_poses_remaining for one in feedback]
+    answer["places"] = [
+        [one.current_pose.pose.position.x, one.current_pose.pose.position.y] for one in feedback
+    ]
+    return answer
+
+
+def follow(name, points, cancel_after=None):
+    """Let somebody follow a path: the outcome, and the feedback about distance and speed."""
+    from nav2_msgs.action import FollowPath
+
+    goal = FollowPath.Goal()
+    goal.path.header.frame_id = "map"
+    goal.path.poses = [_pose(x, y, 0.0) for x, y in points]
+    answer, feedback = _carried_out(FollowPath, f"/{name}/follow_path", goal, cancel_after)
+    answer["distances"] = [one.distance_to_goal for one in feedback]
+    answer["speeds"] = [one.speed for one in feedback]
+    return answer
+
+
+def _pose(x, y, heading=0.0):
+    pose = PoseStamped()
+    pose.header.frame_id = "map"
+    pose.pose.position.x, pose.pose.position.y = float(x), float(y)
+    pose.pose.orientation.z = math.sin(heading / 2)
+    pose.pose.orientation.w = math.cos(heading / 2)
+    return pose
+
+
+def _carried_out(type_, name, goal, cancel_after):
+    """The outcome of a goal, which is cancelled after so many messages of feedback, and these."""
+    client, feedback = Client(), []
+    action = ActionClient(client.node, type_, name)
     client.until(action.server_is_ready)
-    goal = NavigateToPose.Goal()
-    goal.pose = PoseStamped()
-    goal.pose.header.frame_id = "map"
-    goal.pose.pose.position.x, goal.pose.pose.position.y = float(x), float(y)
-    goal.pose.pose.orientation.z = math.sin(heading / 2)
-    goal.pose.pose.orientation.w = math.cos(heading / 2)
-    feedback = []
     handle = client.wait(
         action.send_goal_async(goal, feedback_callback=lambda m: feedback.append(m.feedback))
     )
     if not handle.accepted:
-        return {"accepted": False}
+        return {"accepted": False}, []
     if cancel_after is not None:
         client.until(lambda: len(feedback) >= cancel_after)
         client.wait(handle.cancel_goal_async())
-    result = client.wait(handle.get_result_async())
-    return {
-        "accepted": True,
-        "status": {
-            GoalStatus.STATUS_SUCCEEDED: "succeeded",
-            GoalStatus.STATUS_CANCELED: "cancelled",
-            GoalStatus.STATUS_ABORTED: "aborted",
-        }[result.status],
-        "distances": [one.distance_remaining for one in feedback],
-        "end": [
-            feedback[-1].current_pose.pose.position.x,
-            feedback[-1].current_pose.pose.position.y,
-        ],
-    }
+    answer = client.wait(handle.get_result_async())
+    status = {
+        GoalStatus.STATUS_SUCCEEDED: "succeeded",
+        GoalStatus.STATUS_CANCELED: "cancelled",
+        GoalStatus.STATUS_ABORTED: "aborted",
+    }[answer.status]
+    error = [answer.result.error_code, answer.result.error_msg]
+    return {"accepted": True, "status": status, "error": error}, feedback
 
 
 def step(count, times):

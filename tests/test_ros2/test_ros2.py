@@ -64,6 +64,7 @@ def test_navigate_to_pose_leads_to_the_goal(ros, name, to):
         answer = ros.client("navigate", name=name, x=to[0], y=to[1], heading=1.5)
     assert answer["status"] == "succeeded"
     assert answer["distances"][-1] < answer["distances"][0]
+    assert max(answer["times"]) > 1 and answer["times"][-1] <= 1
     assert math.dist(answer["end"], to) < 1.0
 
 
@@ -74,6 +75,44 @@ def test_a_cancelled_goal_ends_as_cancelled(ros, name):
         answer = ros.client("navigate", name=name, x=16.0, y=10.0, cancel_after=3)
     assert answer["status"] == "cancelled"
     assert math.dist(answer["end"], (16.0, 10.0)) > 1.0
+
+
+@pytest.mark.messages("nav2_msgs")
+@pytest.mark.parametrize("name", ["bot", "ann"])
+def test_navigate_through_poses_passes_each_pose_in_turn(ros, name):
+    poses = [(4.0, 9.0, 0.5), (6.0, 9.0, 0.0), (6.0, 10.5, 1.5)]
+    with ros.serving(hall(), "--speed", "4"):
+        answer = ros.client("go_through", name=name, poses=poses)
+    assert (answer["status"], answer["error"]) == ("succeeded", [0, ""])
+    assert sorted(set(answer["left"]), reverse=True) == [3, 2, 1]
+    assert answer["left"] == sorted(answer["left"], reverse=True)
+    for x, y, _ in poses:
+        assert min(math.dist(place, (x, y)) for place in answer["places"]) < 0.6
+
+
+@pytest.mark.messages("nav2_msgs")
+def test_follow_path_drives_along_a_dense_path_and_can_be_cancelled(ros):
+    there = [(2.0 + 0.05 * k, 6.5 - 0.05 * k) for k in range(61)]
+    back = [*reversed(there)]
+    with ros.serving(hall(), "--speed", "4") as server:
+        answer = ros.client("follow", name="bot", points=there)
+        cancelled = ros.client("follow", name="bot", points=back, cancel_after=3)
+        outside = ros.client("follow", name="bot", points=[(2.0, 6.5), (-3.0, 6.5)])
+        empty = ros.client("follow", name="bot", points=[])
+    assert answer["status"] == "succeeded"
+    assert answer["distances"][0] > 3.0 > 1.0 > answer["distances"][-1]
+    assert max(answer["speeds"]) > 0.3
+    assert cancelled["status"] == "cancelled" and cancelled["distances"][-1] > 1.0
+    assert not outside["accepted"] and not empty["accepted"]
+    assert sum("bot/follow_path" in line for line in server.notices.splitlines()) == 2
+
+
+@pytest.mark.messages("nav2_msgs")
+def test_a_goal_under_way_ends_with_the_run(ros):
+    trial = hall(60.0).replace("size: [1.0, 0.7]", "size: [1.0, 0.7], max_speed: 0.05")
+    with ros.serving(trial, "--speed", "3"):
+        answer = ros.client("navigate", name="bot", x=4.0, y=10.0)
+    assert answer["status"] == "aborted" and "over" in answer["error"][1]
 
 
 @pytest.mark.messages("nav2_msgs")
@@ -96,7 +135,7 @@ def test_lock_step_has_the_events_of_a_run(ros, floorwalker):
 
 @pytest.mark.messages("nav2_msgs")
 def test_a_run_that_clients_drove_is_repeated_to_the_byte(ros, floorwalker):
-    with ros.serving(hall(100.0), "--speed", "4", "--out", "driven") as server:
+    with ros.serving(hall(160.0), "--speed", "4", "--out", "driven") as server:
         ros.client("navigate", name="ann", x=6.0, y=8.0)
         ros.client("drive", speed=0.8)
         ros.client("navigate", name="bot", x=3.0, y=9.0, cancel_after=4)
@@ -148,6 +187,15 @@ def test_bad_commands_are_one_line_each_and_good_ones_still_count(ros):
     assert (
         sum("initialpose" in line and "odom" in line for line in server.notices.splitlines()) == 1
     )
+
+
+@pytest.mark.parametrize("option", [("--namespace", "bad name"), ("--domain", "500")])
+def test_an_option_that_ros_does_not_allow_is_one_line(ros, option):
+    with ros.serving(hall(), *option, "--out", "run") as server:
+        assert server.wait(HANG) == 1
+    assert not (ros.folder / "run" / "summary.json").exists()
+    (line,) = server.notices.splitlines()
+    assert option[1] in line
 
 
 def test_without_rclpy_one_line_explains_how_to_get_it(floorwalker, tmp_path):

@@ -47,7 +47,7 @@ def trial(personality="external", duration=275.0, start=0.0, controller="parked"
 
 
 STEP = 1 / 16
-"""Seconds of real time of one step of a session by hand, whose sum is exact."""
+"""Real time (s) of one step of a session by hand, exact in sums."""
 
 
 class InThread:

@@ -12,7 +12,7 @@ from waiting import HANG
 import sim
 
 ENDS_WITHIN = 30.0
-"""Seconds within which a thread ends after the helper that stopped it has waited for it."""
+"""Time (s) within which a thread ends after its helper has stopped it."""
 
 ARGUMENTS = [
     "--no-sandbox",

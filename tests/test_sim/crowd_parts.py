@@ -23,7 +23,7 @@ class Walkers:
         self.table = Commitments()
         self.people = {}
         self.decided = []
-        """People who decided again."""
+        """People who replanned."""
         self.committed = {}
         """Motions to which people were committed."""
         self.interruptions = Interruptions(

@@ -31,7 +31,7 @@ PATROL = {
     "station3": [(-5.0, -3.75)],
 }
 AGAIN = {"station4": [(-6.4, -4.3), (-9.0, -4.3), (-10.8, -3.75)]}
-"""The ways of the second round and later, where they differ."""
+"""Paths of the second and later rounds, if they differ."""
 
 AGV_MOVES = {
     "agv1": [(75.0, "assembly_front"), (180.0, "kitting")],
@@ -201,14 +201,14 @@ def violations(person, other, law, *, step=0.05):
             low, high = (middle, high) if close(middle) == before else (low, middle)
         return high
 
-    found = []
+    intervals = []
     for i in range(round(DURATION / step)):
         low, high = i * step, (i + 1) * step
         if not close(low) and close(high):
-            found.append([switch(low, high), DURATION])
-        elif close(low) and not close(high) and found:
-            found[-1][1] = switch(low, high)
-    return found
+            intervals.append([switch(low, high), DURATION])
+        elif close(low) and not close(high) and intervals:
+            intervals[-1][1] = switch(low, high)
+    return intervals
 
 
 def gantry_track(stops):
@@ -349,9 +349,9 @@ def recording():
 
 def watch(person, other, motions):
     law = LAW if other == "gantry" else {"distance": 2.1}
-    found = violations(motions[person], motions[other], law)
+    intervals = violations(motions[person], motions[other], law)
     notice = {"notice": 2.0, "notice_cap": None} if other == "gantry" else {}
-    return {"person": person, "other": other, "law": law, **notice, "violations": found}
+    return {"person": person, "other": other, "law": law, **notice, "violations": intervals}
 
 
 def summary(events, motions):

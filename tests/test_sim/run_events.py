@@ -35,8 +35,8 @@ def said(run):
 
 def beliefs_after(thoughts):
     """Return the beliefs after these thoughts, from their changes alone."""
-    held = set()
+    beliefs = set()
     for thought in thoughts:
-        held -= set(thought.get("forgets", ()))
-        held |= set(thought.get("believes", ()))
-    return held
+        beliefs -= set(thought.get("forgets", ()))
+        beliefs |= set(thought.get("believes", ()))
+    return beliefs

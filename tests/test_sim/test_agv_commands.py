@@ -45,6 +45,24 @@ def test_an_agv_moves_to_a_position_on_its_lane(simulation):
     assert run.motions["cart"].position(60.0) == pytest.approx((12.0, 6.0))
 
 
+@pytest.mark.parametrize("command", [("drive", "far"), ("move_to", 20.0, 6.0)])
+def test_a_yielding_agv_waits_for_a_person_on_its_lane_whatever_the_command(command):
+    text = """
+duration: 60
+rules: observe
+people: [{name: ann, at: [6.5, 6], personality: external}]
+machines:
+  cart:
+    {kind: agv, origin: [2, 6], limits: [0, 20], locations: {far: 18}, start: 2.0, yield: true}
+"""
+    started = sim.Simulation(sim.Trial.parse(on_floor(FLOOR, text)))
+    started.start()
+    name, *arguments = command
+    getattr(cart_of(started, 1.0), name)(*arguments)
+    (yielded,) = [event for event in started.events if event["kind"] == "agv_yielded"]
+    assert (yielded["t"], yielded["person"]) == (1.0, "ann")
+
+
 def test_a_share_of_the_speed_is_not_exceeded(simulation):
     cart = cart_of(simulation)
     cart.move_to(12.0, 6.0, speed_share=0.4)
@@ -116,7 +134,7 @@ def test_a_stop_does_not_count_as_waiting_time(simulation):
     assert waited.processed
 
 
-def test_a_new_target_replaces_the_run_under_way(simulation):
+def test_a_new_target_replaces_the_current_run(simulation):
     cart = cart_of(simulation)
     cart.drive("far")
     cart_of(simulation, 6.0)
@@ -126,7 +144,7 @@ def test_a_new_target_replaces_the_run_under_way(simulation):
     assert cart.stands and cart.lane_position == pytest.approx(3.0)
 
 
-def test_a_limit_of_the_speed_applies_to_the_run_under_way(simulation):
+def test_a_speed_limit_applies_to_the_current_run(simulation):
     cart = cart_of(simulation)
     cart.drive("far")
     cart_of(simulation, 5.0)

@@ -41,7 +41,7 @@ def problems(text):
     return [(problem.field, problem.message) for problem in why.value.problems]
 
 
-def test_missions_are_done_in_order_through_aisles_and_touch_nothing():
+def test_missions_are_done_in_order_without_contacts():
     missions = "missions: [{go: aisle3}, {wait: 2.0}, {go: [3.0, 5.0, 0.5]}, {turn: -1.0}]"
     run = sim.run(long_vehicle(missions, duration=90.0))
     assert [event["job"] for event in events(run, "job_done")] == ["go", "wait", "go", "turn"]
@@ -214,7 +214,7 @@ def test_a_custom_generator_gives_the_same_commands_as_for_a_gantry(beside):
     [
         ("wild", "'steer:wild' failed at t = 0 s.*a twist must be finite"),
         ("hasty", "'steer:hasty' failed at t = 0 s.*9 m/s is faster than speed, 1.5 m/s"),
-        ("by_hand", "is no function that returns a twist.*omit rate for a generator"),
+        ("by_hand", "is no function that returns a command.*omit rate for a generator"),
     ],
 )
 def test_an_invalid_twist_ends_the_run(beside, name, message):

@@ -137,7 +137,7 @@ def test_a_machine_that_a_person_walks_up_to_does_not_approach(shapes):
 
 
 @BOTH
-def test_approaches_that_follow_each_other_at_once_are_one(shapes):
+def test_consecutive_approaches_are_merged(shapes):
     first = (1.0, (3.0, -0.5, 0.0, 0.0))
     second = (1.0, (2.5, -0.2, -0.1, 0.0))
     machine = motion(at(3.0), first, second, at(2.2))
@@ -160,7 +160,7 @@ def test_a_turn_on_the_spot_approaches_between_surfaces_only():
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_approaches_between_surfaces_are_those_of_dense_samples(seed):
+def test_approaches_between_surfaces_equal_dense_samples(seed):
     rng = np.random.default_rng(seed)
     twist = rng.uniform([-0.8, -0.8], [0.8, 0.8])
     drive = navigation.vehicle_twist(

@@ -49,7 +49,7 @@ def sampled(run, step=1e-3):
 @pytest.mark.parametrize("personality", ["indifferent", "antagonistic", "helpful"])
 @pytest.mark.parametrize("jobs", [TO_AND_FRO, PARTS])
 @pytest.mark.parametrize("seed", range(3))
-def test_the_duration_of_approaches_is_that_of_dense_sampling(jobs, seed, personality):
+def test_the_duration_of_approaches_equals_dense_sampling(jobs, seed, personality):
     run = run_of(jobs, seed, personality)
     approaches = run.summary["approaches"]
     assert approaches["duration"] == pytest.approx(sampled(run), abs=0.02)

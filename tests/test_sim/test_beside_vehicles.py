@@ -83,7 +83,7 @@ CORRIDORS = [
     for seed in range(12)
 ]
 STRUCK = [(3.0, 5209), (3.0, 5366), (4.0, 5183), (4.0, 5220), (4.0, 5531)]
-"""Widths and seeds in which the vehicle turns towards a person, who then walked on."""
+"""Widths and seeds for which the vehicle turns towards a walking person."""
 
 
 @pytest.mark.parametrize(("width", "seed"), [*CORRIDORS, *STRUCK])

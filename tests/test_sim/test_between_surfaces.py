@@ -49,7 +49,7 @@ LAWS = {
 }
 
 STEP = 0.01
-"""Seconds between sampled instants."""
+"""Interval of samples (s)."""
 
 
 @cache
@@ -99,7 +99,7 @@ def at_an_end(spans, t, away=2e-3):
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
-def test_violations_are_those_of_sampled_footprints(seed, law):
+def test_violations_equal_those_of_sampled_footprints(seed, law):
     run = run_of(seed, law)
     t = np.arange(0.005, run.duration, 0.1)
     for (person, machine), spans in run.violations.items():
@@ -133,7 +133,7 @@ def test_violations_begin_and_end_where_the_surfaces_are_that_far_apart(seed):
 
 
 @pytest.mark.slow
-def test_least_distances_and_margins_are_those_of_dense_sampling():
+def test_minimum_distances_and_margins_equal_dense_sampling():
     run = run_of(0, "linear")
     margins = {}
     for person, machine in run.violations:
@@ -154,7 +154,7 @@ def test_least_distances_and_margins_are_those_of_dense_sampling():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_duration_of_approaches_is_that_of_dense_sampling(seed):
+def test_the_duration_of_approaches_equals_dense_sampling(seed):
     run = run_of(seed)
     step, seconds = 2e-3, 0.0
     for (person, machine), spans in run.violations.items():

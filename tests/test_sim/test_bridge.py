@@ -175,7 +175,7 @@ def test_every_gantry_is_published_as_a_gantry():
     assert {event["with"] for event in run.events if event["kind"] == "violation"} == {"north"}
 
 
-def test_a_stop_is_a_stop():
+def test_a_stop_message_stops_the_person():
     with (
         served(trial(duration=20.0), speed=10.0, by_hand=True) as session,
         Pacer(session) as client,
@@ -596,7 +596,7 @@ def test_a_bridge_serves_several_people_and_vehicles(tmp_path):
         ("/ariac_human/goal_position", {"x": 1e300}, ("/ariac_human/goal_position", "1e+300")),
     ],
 )
-def test_a_rejected_message_is_one_line_with_its_topic_and_value(topic, message, words):
+def test_a_rejected_message_causes_one_line_with_its_topic_and_value(topic, message, words):
     with served(sim.Trial.parse(HALL), hold=True) as session, Client(session.url) as client:
         client.call("/ariac/start_competition")
         client.publish(topic, **message)

@@ -10,7 +10,7 @@ from sim.bridge.waiting import done_within
 
 
 async def cancelled_as_it_happens(waiting, happens):
-    """Cancel a task that waits, in the turn of the loop in which it happens."""
+    """Cancel a waiting task in the same turn of the loop in which its event happens."""
     task = asyncio.create_task(waiting)
     for _ in range(3):
         await asyncio.sleep(0)

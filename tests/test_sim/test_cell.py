@@ -177,7 +177,28 @@ def test_two_publishers_of_one_command_are_reported_once_and_the_last_one_counts
     assert cell.signals["machines/bot/twist"].read().forwards > 0
 
 
-def test_a_new_goal_replaces_the_one_under_way():
+def test_an_agv_goes_through_poses_near_its_lane_and_places_on_it():
+    cell = cell_of()
+    drive = cell.tasks["machines/cart/go_through"].start(
+        [Pose(5.0, 1.5, 2.0), "middle", (4.0, 1.0)]
+    )
+    assert run_until_ended(cell, drive) == ["succeeded"]
+    assert cell.signals["machines/cart/pose"].read() == Pose(pytest.approx(4.0), 1.2, 0.0)
+    for task, goal in (("go_to", Pose(5.0, 2.0)), ("follow", [(5.0, 1.2), (30.0, 1.2)])):
+        with pytest.raises(Rejected, match="the lane of cart"):
+            cell.tasks[f"machines/cart/{task}"].start(goal)
+
+
+def test_a_task_under_way_ends_with_the_run():
+    cell = cell_of()
+    drive = cell.tasks["machines/bot/go_to"].start(Pose(15.0, 4.0))
+    cell.pace.step(1.0)
+    assert drive.result is None
+    cell.pace.end()
+    assert "over" in drive.result
+
+
+def test_a_new_goal_replaces_the_current_goal():
     cell = cell_of()
     first = cell.tasks["machines/bot/go_to"].start(Pose(15.0, 4.0))
     ends = []

@@ -90,7 +90,7 @@ def test_the_course_of_a_machine_that_was_stopped_leads_to_its_goal(floor):
     assert not area_of(of["cart"].course).covers(shapely.Point(left_at, 0.0))
 
 
-def test_a_path_elsewhere_is_no_course_until_it_leads_to_the_goal(floor):
+def test_a_path_is_no_course_unless_it_leads_to_the_goal(floor):
     cart, other = floor.cart("cart", 0.0), floor.cart("other", *FAR)
     of = floor.traffic(cart, other)
     cart.drive((10.0, 0.0, 0.0))

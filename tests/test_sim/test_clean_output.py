@@ -14,13 +14,13 @@ from navigation.kernels import COMPILED
 from sim.core.compilation import NOTICE
 
 STRICT = ("-X", "dev", "-W", "default")
-"""The interpreter tells every warning, also about files that nobody closed."""
+"""Options by which the interpreter shows every warning, also about unclosed files."""
 
 SLOWNESS = r"Executing <.*> took \d+\.\d+ seconds\n"
-"""What asyncio then tells of a busy machine."""
+"""Message of asyncio on a busy machine with these options."""
 
 SOURCES = "" if COMPILED else f"{NOTICE}\n"
-"""The notice of a command that runs a trial with kernels that are not compiled."""
+"""The notice of a command that runs a trial with uncompiled kernels."""
 
 CALLS = {
     "agent": "agent short.asl --percepts percepts.jsonl --belief helpful --trace",
@@ -61,7 +61,7 @@ NOTICES = {
     "search": r"drawn: 4 of 4 evaluations least \S+\n",
     "plot riskmap": r"Nobody was nearer than required .*\n",
 }
-"""Notices that a command prints on stderr; the others print none."""
+"""Notices that a command prints on stderr. Other commands print none."""
 
 FURTHER = (
     *(f"export run --out run{ending}" for ending in (".csv", ".parquet", ".sqlite", "-bag")),
@@ -107,7 +107,7 @@ def test_every_command_is_called_below(floorwalker, monkeypatch):
 
 
 ALONE = ("bridge", "run", pytest.param("study", marks=pytest.mark.slow))
-"""Commands that start servers or processes: what those leave shows when the command's own ends."""
+"""Commands that start servers or processes, whose remains show at the end of the process."""
 
 
 @pytest.mark.parametrize("name", ALONE)

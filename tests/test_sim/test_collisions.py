@@ -63,7 +63,7 @@ def test_overlapping_agvs_collide_once_at_the_start():
     assert [event["t"] for event in events(run, "collision")] == [0.0]
 
 
-def test_gantries_collide_where_their_torsos_do_and_with_nothing_below():
+def test_gantries_collide_only_with_their_torsos():
     text = """
 floorplan: ariac2023
 duration: 60

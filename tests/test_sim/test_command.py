@@ -206,7 +206,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
+def test_invalid_files_cause_one_clear_message(name, tmp_path, floorwalker):
     text, message = BAD[name]
     if text is not None:
         (tmp_path / name).write_text(text)
@@ -402,7 +402,7 @@ def test_an_interrupted_run_is_recorded(tmp_path):
     assert (out / "replay.html").read_text().rstrip().endswith("</html>")
 
 
-def test_one_interrupt_ends_an_endless_loop_in_the_users_code(tmp_path):
+def test_one_interrupt_ends_an_endless_loop_in_custom_code(tmp_path):
     (tmp_path / "stuck.py").write_text(
         "from pathlib import Path\n\n\nclass Stuck:\n"
         "    def replan(self, body, neighbours, outlook):\n"

@@ -217,14 +217,14 @@ def test_machines_commanded_over_a_bridge_repeat_to_the_byte(tmp_path):
         "gantry_y_axis_joint",
     ]
     for k in range(1, 60):
-        workcell.advance(0.37 * k)
+        workcell.cell.pace.step(0.37 * k - workcell.now)
         if k % 7 == 1:
             at = {"positions": [0.1 * k, -4.0 + 0.05 * k, 1.0]}
             with suppress(RefusedError):  # it is disabled
                 workcell._gantry._follow({"joint_names": names, "points": [point | at]})
         if k % 11 == 3:
             workcell._agvs._move(workcell.simulation.agvs[0], None, {"location": k % 3})
-    workcell.advance(30.0)
+    workcell.cell.pace.step(30.0 - workcell.now)
     run = workcell.simulation.finish()
     recording.finish(run)
     assert {command.call for command in run.trial.commands} == {"move_to", "drive"}

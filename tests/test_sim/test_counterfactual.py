@@ -27,7 +27,7 @@ def run(counterfactual, text=TRIAL):
     return sim.run(sim.Trial.parse(f"{text}counterfactual: {counterfactual}\n"))
 
 
-def test_the_difference_to_a_run_without_machines_is_that_of_a_floor_without_them():
+def test_a_run_without_machines_equals_a_floor_without_machines():
     actual = run("without machines")
     trial = actual.trial
     plan = replace(trial.floorplan, gantry=None, lanes=())

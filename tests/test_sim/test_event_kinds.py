@@ -131,7 +131,7 @@ def test_fields_of_events_that_a_controller_defines_are_checked_as_the_run_begin
         sim.run(trial)
 
 
-def test_other_classes_beside_a_controller_are_no_kinds_of_events(tmp_path, event_kinds):
+def test_other_classes_beside_a_controller_are_no_event_kinds(tmp_path, event_kinds):
     path = lifting(tmp_path, "PalletStacked", "{never: pallet_lifted}")
     event_kinds.pop("pallet_lifted", None)
     trial = sim.Trial.load(path)

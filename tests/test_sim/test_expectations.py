@@ -428,13 +428,13 @@ def test_terminals_show_no_gantry_where_there_is_none_and_units_of_machines():
     ).keys()
 
 
-def test_a_margin_of_nothing_has_no_sign():
+def test_a_margin_of_zero_has_no_sign():
     margin = {"value": -1e-5, "person": "ann", "machine": "cart", "time": 3.0}
     shown = dict(figures_in_words({"least_margin": margin}))
     assert shown["least margin"] == "0.000 m (ann and cart) at 3.0 s"
 
 
-def test_the_nearest_to_an_agv_is_that_of_one_that_moves():
+def test_only_moving_agvs_count_as_the_nearest_agv():
     trial = sim.Trial.parse(
         """\
 floorplan: ariac2023
@@ -474,7 +474,7 @@ expect: {nearest_agv: "> 0", people.crew2.nearest_agv.required: "> 0"}
     assert f"({nearest['person']} and {nearest['agv']}) at {nearest['time']:.1f} s" in shown
 
 
-def test_without_moves_of_agvs_there_is_no_nearest_one():
+def test_without_moves_of_agvs_there_is_no_nearest_agv():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1, people: [{name: eve}]}"))
     assert "nearest_agv" not in run.summary
     later = (

@@ -276,7 +276,7 @@ def test_pedpy_reads_people_without_teleports(run, tmp_path):
         assert (row.x, row.y) == pytest.approx(state[:2], abs=1e-9)
 
 
-def test_jupedsim_replays_it(run, tmp_path):
+def test_jupedsim_replays_an_export(run, tmp_path):
     path = tmp_path / "run.sqlite"
     sim.export(run, path, rate=4.0)
     recording = jupedsim.Recording(str(path))

@@ -206,7 +206,7 @@ def test_a_vehicle_that_turns_on_the_spot_touches_with_its_corner(drive):
     assert contact["speed"] == pytest.approx(0.5 * reach, rel=0.05)
 
 
-def test_planned_motions_touch_nothing(drive):
+def test_planned_motions_touch_no_obstacle(drive):
     run = drive("previewed")
     assert run.summary["contacts_with_floor"] == 0
     assert run.motions["amr"].state(30.0).at == pytest.approx((12.0, 3.0), abs=1e-3)
@@ -332,7 +332,7 @@ def test_a_vehicle_with_any_twists_never_overlaps_an_obstacle(drive, at):
 
 
 def test_contacts_with_people_are_events_when_they_happen(drive):
-    """The vehicle passes a recorded person, who stands in its way and does not evade."""
+    """The vehicle passes a recorded person who blocks its course without evading."""
     track = navigation.Motion.from_samples(t=[0.0, 30.0], xy=[(6.0, 3.6), (6.0, 3.6)])
     trial = drive("ahead").trial
     people = (sim.PersonEntry("ada", recorded=track),)

@@ -72,7 +72,7 @@ def test_several_machines_pass_the_checkers_of_pettingzoo():
     parallel_seed_test(partial(ParallelFloorEnv, PAIR), num_cycles=10)
 
 
-def test_a_seed_decides_an_episode_whatever_ran_before():
+def test_a_seed_determines_an_episode_regardless_of_earlier_ones():
     env, other = FloorEnv(observation="flat"), FloorEnv(observation="flat")
     episode(other, towards_goal, 1)
     first, second = (episode(one, towards_goal, 5) for one in (env, other))

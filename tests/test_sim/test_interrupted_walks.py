@@ -85,7 +85,7 @@ def test_a_person_brakes_later_if_a_follower_is_near(walkers):
     assert walkers.interruptions.braking(me, alone=True).end == pytest.approx(4.0, abs=1e-5)
 
 
-def test_a_recorded_person_lets_only_people_with_a_goal_decide_again(walkers):
+def test_a_recorded_person_makes_only_people_with_a_goal_replan(walkers):
     measured = walkers.walker((0, 0), (10, 0), recorded=True)
     walkers.walker((5, 0), goal=False)
     goes = walkers.walker((7, 0.5), (7.0, 0.4))
@@ -95,7 +95,7 @@ def test_a_recorded_person_lets_only_people_with_a_goal_decide_again(walkers):
     assert walkers.decided == [goes]
 
 
-def test_people_search_no_place_if_the_way_is_free(walkers):
+def test_people_search_no_place_if_the_path_is_free(walkers):
     measured = walkers.walker((0, 0), (10, 0), recorded=True)
     walkers.walker((5, 2), goal=False)
     walkers.interruptions.make_way_for(measured)
@@ -162,7 +162,7 @@ def postpone_alarms(walkers):
         me.stepped = walkers.clock.now
 
 
-def test_people_who_walk_towards_a_vehicle_decide_again(walkers):
+def test_people_who_walk_towards_a_vehicle_replan(walkers):
     walks = walkers.walker((0, 0), (10, 0))
     walkers.walker((3, 0), goal=False)
     aside, measured = (

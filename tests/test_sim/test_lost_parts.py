@@ -22,7 +22,7 @@ expect: {{parts_dropped: {dropped}}}
 
 @pytest.mark.parametrize("controller", ["oblivious", "pausing", "avoiding"])
 @pytest.mark.parametrize("delay", [0.0, 1.5, 3.0])
-def test_a_job_whose_part_drops_is_done_again(controller, delay):
+def test_a_job_with_a_dropped_part_is_repeated(controller, delay):
     text = JOBS.format(controller=controller, after=1, delay=delay, dropped=1)
     trial = sim.Trial.parse(text)
     assert sim.Trial.parse(trial.to_yaml()) == trial

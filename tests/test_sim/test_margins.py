@@ -19,10 +19,10 @@ from sim.trials import slack
 from sim.trials.timeline import NumberCondition
 
 DENSE = 0.01
-"""Seconds between the instants of a sampled margin."""
+"""Interval of the samples of a margin (s)."""
 
 TOLERANCE = 0.03
-"""Metres by which a sampled margin may be above the least: what happens within `DENSE`."""
+"""Excess (m) of a sampled margin over the minimum, which may lie between samples."""
 
 LAWS = {
     "linear": "{gantry_law: {iso_ts_15066: {t1: 0.3, t2: 0.4, intrusion: 0.5}},"
@@ -81,7 +81,7 @@ def spans_of(run, person, machine, *, moving):
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("seed", range(6))
-def test_the_least_margin_is_that_of_dense_sampling(law, seed):
+def test_the_minimum_margin_equals_dense_sampling(law, seed):
     run = sim.run(sim.Trial.parse(trial(seed, LAWS[law])))
     pairs = [(p.name, m.name) for p in run.scene.people for m in run.scene.machines]
     for key, moving in (("least_margin", False), ("least_margin_moving", True)):

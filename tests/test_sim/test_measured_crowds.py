@@ -166,7 +166,7 @@ def test_frames_may_precede_or_follow_the_body(tmp_path, first, form):
     assert run.stays["person3"] == (pytest.approx((2.4, 10.0)),)
 
 
-def test_eight_columns_are_those_of_obsmat(tmp_path):
+def test_eight_columns_are_read_as_obsmat(tmp_path):
     rows = [f"{f:e} {b:e} {x:e} 0 {y:e} 0 0 0" for f, b, x, y in people_walking()]
     written(tmp_path, "obsmat.txt", rows)
     run = run_of(tmp_path, "[{recorded: {file: obsmat.txt, everybody: true, frame_rate: 25}}]")

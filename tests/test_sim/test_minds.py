@@ -86,7 +86,7 @@ def test_check_warns_of_unknown_percepts_and_actions_in_programs(tmp_path, floor
     ]
 
 
-def test_a_program_perceives_only_what_it_mentions():
+def test_a_program_receives_only_the_percepts_that_it_mentions():
     walker = bdi.parse("+human_start <- move(1, 2, 0).")
     assert mentioned(walker) == frozenset()
     assert mentioned(bdi.parse("p :- person_near(X, _). +!g : not wants_to_pass(_, _).")) == {
@@ -115,7 +115,7 @@ def watched(source, **options):
     return agent, inspector, thoughts
 
 
-def test_the_changes_add_up_to_what_the_agent_believes():
+def test_the_changes_add_up_to_the_beliefs_of_the_agent():
     agent, inspector, thoughts = watched(PROGRAM)
     for t in range(12):
         if t % 3 == 1:

@@ -55,7 +55,7 @@ def test_an_interrupted_run_is_shown(run, tmp_path):
     assert "iframe" in html and "penalties" not in html.partition("<iframe")[0]
 
 
-def test_a_summary_that_lacks_fields_is_shown_without_them(run):
+def test_a_summary_with_missing_fields_is_shown(run):
     whole = json.loads(json.dumps(run.summary))
     complete = dict(figures_in_words(whole))
     person = whole["people"]["operator"]

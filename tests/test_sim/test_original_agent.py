@@ -13,19 +13,19 @@ import sim
 from sim.people.perception import Percepts
 
 DROPS = 10.0
-"""Seconds for which it drops violations after its start, after the last one, after a teleport."""
+"""Time (s) of dropped violations after the start, the last violation or a teleport."""
 
 LOOKS = 20.0
-"""Seconds after its start, after a teleport and after noticing the gantry, till it looks for it."""
+"""Time (s) without checks for the gantry after the start, a teleport or noticing the gantry."""
 
 SPEED = 8.0
-"""Of the trial: its windows are of real time, and so belong to speed 1."""
+"""Speed of the trial. The time windows above are those at speed 1."""
 
 LATE = 1 / 64
-"""Seconds of real time by which it may be late, at its speed an eighth of a second."""
+"""Maximum latency in real time (s), an eighth of a second at its speed."""
 
 MAKES_READY = 0.5
-"""Seconds for which it has subscribed and hears nothing yet."""
+"""Time (s) after its subscription without received messages."""
 
 COMMANDS = {
     "move": ("/ariac_human/goal_position", "geometry_msgs/Point"),

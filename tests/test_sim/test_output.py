@@ -1,4 +1,4 @@
-"""Output: files written completely or not at all, text without control characters, topic names."""
+"""Output: atomic writing of files, text without control characters, and topic names."""
 
 import ast
 import json

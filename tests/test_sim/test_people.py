@@ -65,7 +65,7 @@ gantry:
         ("{order_submitted: A2}", None),
     ],
 )
-def test_a_person_starts_when_something_happens(start, kind):
+def test_a_person_starts_at_an_event(start, kind):
     text = "floorplan: ariac2023\nduration: 30\n" + JOBS.format(start=start)
     finished = sim.run(sim.Trial.parse(text))
     started = [event["t"] for event in events(finished, "human_started")]
@@ -183,7 +183,7 @@ def test_stopping_turning_and_walking_slowly(program):
     assert math.dist(motion.state(60).at, (0.4, 7.0)) > math.dist((x, y), (0.4, 7.0))
 
 
-def test_chance_comes_from_the_seed_and_differs_between_people(tmp_path):
+def test_random_draws_depend_on_the_seed_and_the_person(tmp_path):
     (tmp_path / "dice.asl").write_text("!go. +!go <- .random(R); .print(R).")
     people = "people: [{name: a, personality: dice.asl}, {name: b, personality: dice.asl}]"
     thrown = [
@@ -235,7 +235,7 @@ def test_stepping_back_without_room_fails_and_is_reported(program):
 
 
 @pytest.mark.parametrize("name", bdi.programs())
-def test_every_personality_lives_through_a_trial_with_a_busy_gantry(name):
+def test_every_personality_completes_a_trial_with_a_busy_gantry(name):
     finished = sim.run(
         sim.Trial.parse(
             f"""

@@ -73,12 +73,12 @@ def walks(tmp_path):
 
 
 def places(rng: random.Random, count: int, low: Place, high: Place, apart: float) -> list[Place]:
-    found: list[Place] = []
-    while len(found) < count:
+    chosen: list[Place] = []
+    while len(chosen) < count:
         place = (rng.uniform(low[0], high[0]), rng.uniform(low[1], high[1]))
-        if all(math.dist(place, other) > apart for other in found):
-            found.append(place)
-    return found
+        if all(math.dist(place, other) > apart for other in chosen):
+            chosen.append(place)
+    return chosen
 
 
 def pairs(run: sim.Run) -> Iterator[tuple[navigation.Motion, navigation.Motion]]:
@@ -101,14 +101,14 @@ def through_walls(run: sim.Run, radius: float = 0.3) -> list[str]:
     """Return the people who came closer to a wall than their radius."""
     plan = run.trial.floorplan
     world = navigation.CollisionWorld(plan).as_if(away=[lane.name for lane in plan.lanes])
-    found = []
+    close = []
     for name in run.summary["people"]:
         begin, end = run.presence[name]
         ends = [piece.end for piece in run.motions[name].pieces if begin <= piece.end < end]
         line = run.motions[name].position(np.array([begin, *ends]))
         if world.clearance(line) < radius - 1e-6:
-            found.append(name)
-    return found
+            close.append(name)
+    return close
 
 
 def arrived(run: sim.Run) -> set[str]:
@@ -232,15 +232,15 @@ def scene(seed: int) -> tuple[str, list[tuple[Place, list[Place]]]]:
     starts: list[Place] = []
     goals: list[Place] = []
     while len(goals) < count:
-        for found in (starts, goals):
+        for chosen in (starts, goals):
             while True:
                 at = (rng.uniform(0.35, 12.65), rng.uniform(0.35, 12.65))
                 if (
-                    all(math.dist(at, other) > 0.65 for other in found)
+                    all(math.dist(at, other) > 0.65 for other in chosen)
                     and world.free(at, 0.31)
                     and (not starts or space.together(at, starts[0]))
                 ):
-                    found.append(at)
+                    chosen.append(at)
                     break
     return floor, [(a, [b, a]) for a, b in zip(starts, goals, strict=True)]
 
@@ -308,9 +308,9 @@ def test_a_full_corridor_takes_up_its_width(walks):
     assert least(run) >= 0.4
     t = np.linspace(3.0, 8.0, 50)
     middle = [k for k, (x, _) in enumerate(starts) if x < 10.0]
-    found = [np.hypot(*run.motions[f"p{k}"].velocity(t).T).mean() for k in middle]
+    means = [np.hypot(*run.motions[f"p{k}"].velocity(t).T).mean() for k in middle]
     weidmann = 1.34 * (1 - math.exp(-1.913 * (1 / 1.0 - 1 / 5.4)))
-    assert float(np.mean(found)) == pytest.approx(weidmann, rel=0.2)
+    assert float(np.mean(means)) == pytest.approx(weidmann, rel=0.2)
 
 
 def test_many_people_who_meet_in_a_corridor_pass_each_other_one_by_one(walks):
@@ -427,12 +427,12 @@ def test_a_crowd_in_an_aisle_for_two_dissolves(walks, seed):
     floor = hall(22, 9, (9.5, 0, 12.5, 3.75), (9.5, 5.25, 12.5, 9))
 
     def anywhere() -> list[Place]:
-        found: list[Place] = []
-        while len(found) < 44:
+        chosen: list[Place] = []
+        while len(chosen) < 44:
             x, y = rng.uniform(0.4, 21.6), rng.uniform(0.4, 8.6)
-            if not 9.1 <= x <= 12.9 and all(math.dist((x, y), other) > 0.65 for other in found):
-                found.append((x, y))
-        return found
+            if not 9.1 <= x <= 12.9 and all(math.dist((x, y), other) > 0.65 for other in chosen):
+                chosen.append((x, y))
+        return chosen
 
     ways = [
         (start, [*goals]) for start, *goals in zip(*(anywhere() for _ in range(3)), strict=True)

@@ -85,39 +85,39 @@ def test_a_distant_person_learns_at_once_that_an_agv_has_stopped_on_the_route(ru
         .replace("limits: [0, 16]", "limits: [0, 3]")
     )
     cart = "agvs: {cart: {moves: [{time: 0.5, to: east}], yield: true}}\n"
-    found = run(f"duration: 6\n{cart}{PAIR}", TWO_ROOMS + lane)
-    (drove,) = events(found, "agv_moved")
+    finished = run(f"duration: 6\n{cart}{PAIR}", TWO_ROOMS + lane)
+    (drove,) = events(finished, "agv_moved")
     assert drove["arrives"] < 3.0
-    assert events(found, "path_blocked")[0]["t"] == pytest.approx(drove["arrives"], abs=1e-5)
+    assert events(finished, "path_blocked")[0]["t"] == pytest.approx(drove["arrives"], abs=1e-5)
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
 def test_people_avoid_obstacles_while_they_are_there(run, people, tmp_path):
     pallet = "obstacles: {pallet: {x: [5, 6], y: [1, 4], z: [0, 1], there: [[2.0, 30.0]]}}\n"
-    found = run(f"duration: 40\n{people}{pallet}")
-    assert nearest(found, "eve", shapely.box(5, 1, 6, 4), 2.5, 30.0) >= 0.3 - 1e-6
-    kinds = [e["kind"] for e in events(found, "obstacle_came", "obstacle_went", "replanned")]
+    finished = run(f"duration: 40\n{people}{pallet}")
+    assert nearest(finished, "eve", shapely.box(5, 1, 6, 4), 2.5, 30.0) >= 0.3 - 1e-6
+    kinds = [e["kind"] for e in events(finished, "obstacle_came", "obstacle_went", "replanned")]
     assert kinds == ["obstacle_came", "replanned", "obstacle_went"]
-    assert len(events(found, "arrived")) == 1
-    record(found.trial, tmp_path / "run")
-    assert sim.load_run(tmp_path / "run").scene == found.scene and found.scene.passing
+    assert len(events(finished, "arrived")) == 1
+    record(finished.trial, tmp_path / "run")
+    assert sim.load_run(tmp_path / "run").scene == finished.scene and finished.scene.passing
 
 
 def test_a_person_steps_out_of_an_obstacle_that_is_put_down(run):
     text = "duration: 20\npeople: [{name: eve, personality: go.asl, start: {time: 9}}]\n"
-    found = run(
+    finished = run(
         text + "obstacles: {box: {x: [1, 2.2], y: [2, 3.5], z: [0, 1], there: [[5, 20]]}}\n"
     )
-    assert nearest(found, "eve", shapely.box(1, 2, 2.2, 3.5), 10.0, 20.0) >= 0.3 - 1e-6
+    assert nearest(finished, "eve", shapely.box(1, 2, 2.2, 3.5), 10.0, 20.0) >= 0.3 - 1e-6
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
 def test_a_zone_is_closed_to_people_for_whom_it_is_forbidden(run, people):
     cell = "zones: {cell: {x: [4, 6], y: [0, 5], forbidden: true, concerns: ['e*']}}\n"
     area = shapely.box(4, 0, 6, 5)
-    found = run(f"duration: 40\n{people}", TWO_ROOMS + cell)
-    assert nearest(found, "eve", area, 0.0, 40.0) >= 0.3 - 1e-6
-    assert len(events(found, "arrived")) == 1
+    detour = run(f"duration: 40\n{people}", TWO_ROOMS + cell)
+    assert nearest(detour, "eve", area, 0.0, 40.0) >= 0.3 - 1e-6
+    assert len(events(detour, "arrived")) == 1
     free = run(f"duration: 40\n{people.replace('eve', 'ann')}", TWO_ROOMS + cell)
     assert nearest(free, "ann", area, 0.0, 40.0) == 0.0
     wall = "zones: {wall: {x: [4, 6], y: [0, 10], forbidden: true}}\n"
@@ -131,9 +131,9 @@ def test_a_zone_is_closed_to_people_for_whom_it_is_forbidden(run, people):
 def test_a_start_or_exit_in_a_forbidden_zone_is_an_error(run, key):
     cell = "zones: {cell: {x: [4, 6], y: [0, 5], forbidden: true, concerns: ['e*']}}\n"
     place = key.split(":")[0] + (".at" if "source" in key else "")
-    with pytest.raises(sim.TrialError, match="zone 'cell'") as told:
+    with pytest.raises(sim.TrialError, match="zone 'cell'") as error:
         run(f"duration: 5\npeople: [{{name: eve, {key}}}]\n", TWO_ROOMS + cell)
-    (problem,) = told.value.problems
+    (problem,) = error.value.problems
     assert problem.field == f"people[0].{place}"
     run(f"duration: 5\npeople: [{{name: ann, {key}}}]\n", TWO_ROOMS + cell)
 
@@ -155,9 +155,9 @@ def test_people_keep_the_speed_limit_of_a_zone(run, people, seed):
         limit = rng.uniform(0.2, 0.9)
         areas.append((shapely.box(area[0], area[2], area[1], area[3]), limit))
         lines.append(f"  z{k}: {{x: {[*area[:2]]}, y: {[*area[2:]]}, max_speed: {limit}}}")
-    found = run(f"duration: 90\n{people}", TWO_ROOMS + "zones:\n" + "\n".join(lines) + "\n")
-    walked = found.motions["eve"]
-    assert len(events(found, "arrived")) == 1
+    finished = run(f"duration: 90\n{people}", TWO_ROOMS + "zones:\n" + "\n".join(lines) + "\n")
+    walked = finished.motions["eve"]
+    assert len(events(finished, "arrived")) == 1
     for area, limit in areas:
         assert (speeds_within(walked, area) <= limit + 1e-6).all()
     times = np.arange(0.0, walked.end, 0.01)
@@ -171,13 +171,13 @@ def test_agvs_wait_for_obstacles_in_their_way(run):
         "doors: {lower: {closed: [[0, 20]]}}\n"
         "obstacles: {pallet: {x: [14, 15], y: [2.5, 3], z: [0, 1], there: [[8, 40]]}}\n"
     )
-    found = run(text, WITH_CART)
-    cart, door = found.motions["cart"], floorplan.parse(TWO_ROOMS).doors["lower"].footprint
+    finished = run(text, WITH_CART)
+    cart, door = finished.motions["cart"], floorplan.parse(TWO_ROOMS).doors["lower"].footprint
     for shape, begin, end in ((door, 0, 20), (shapely.box(14, 2.5, 15, 3), 8, 40)):
         for t in np.arange(begin, end, 0.05):
             x, y = cart.position(t)
             assert not shapely.box(x - 0.6, y - 0.4, x + 0.6, y + 0.4).intersects(shape)
-    blocked = events(found, "agv_blocked")
+    blocked = events(finished, "agv_blocked")
     assert [e["by"] for e in blocked] == ["lower", "pallet"]
     assert cart.position(58.0)[0] == pytest.approx(18.0)
     assert cart.position(90.0)[0] == pytest.approx(2.0)
@@ -189,8 +189,8 @@ def test_agvs_brake_for_new_obstacles_and_slow_down_in_zones(run):
         "duration: 80\nagvs: {cart: {moves: [{time: 0, to: east}], yield: true}}\n"
         "obstacles: {pallet: {x: [16, 17], y: [2, 3], z: [0, 1], there: [[22, 40]]}}\n"
     )
-    found = run(text, WITH_CART + zone)
-    cart = found.motions["cart"]
+    finished = run(text, WITH_CART + zone)
+    cart = finished.motions["cart"]
     times = np.arange(0.0, 80.0, 0.01)
     x, speed = cart.position(times)[:, 0], np.hypot(*cart.velocity(times).T)
     assert (speed[(x > 5.4) & (x < 9.6)] <= 0.3 + 1e-6).all() and speed.max() > 0.9
@@ -204,9 +204,9 @@ def test_a_move_to_nowhere_hides_no_move_into_a_forbidden_zone(run):
     lanes = WITH_CART.replace("[2, 2.75]}}", "[2, 2.75]}, van: {origin: [2, 7.25]}}")
     zone = "zones: {cell: {x: [12, 14], y: [5, 10], forbidden: true, concerns: [van]}}\n"
     moves = "agvs: {cart: [{time: 0, to: nowhere}], van: [{time: 0, to: east}]}\n"
-    with pytest.raises(sim.TrialError, match="no location 'nowhere'") as told:
+    with pytest.raises(sim.TrialError, match="no location 'nowhere'") as error:
         run("duration: 10\n" + moves, lanes + zone)
-    assert "leads into the zone 'cell', forbidden to van" in str(told.value)
+    assert "leads into the zone 'cell', forbidden to van" in str(error.value)
 
 
 def test_a_trial_without_changing_places_has_none():

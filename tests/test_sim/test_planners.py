@@ -90,12 +90,12 @@ def walked(trial):
 
 
 def test_every_run_goes_through_ompl(tmp_path, monkeypatch):
-    asked = []
+    queries = []
 
     def note(method, planner):
-        def noting(asked_one, until):
-            asked.append(type(planner(asked_one)))
-            return method(asked_one, until)
+        def noting(solver, until):
+            queries.append(type(planner(solver)))
+            return method(solver, until)
 
         return noting
 
@@ -103,25 +103,25 @@ def test_every_run_goes_through_ompl(tmp_path, monkeypatch):
     monkeypatch.setattr(setup, "solve", note(setup.solve, lambda one: one.getPlanner()))
     monkeypatch.setattr(roadmap, "solve", note(roadmap.solve, lambda one: one))
     shortest = walked(trial(tmp_path, "Roadmap"))
-    assert asked == [RoadmapPlanner]
+    assert queries == [RoadmapPlanner]
     assert walked(trial(tmp_path, "RRTConnect")) >= shortest
-    assert asked[1:] == [og.RRTConnect]
+    assert queries[1:] == [og.RRTConnect]
     own = "{name: ada, personality: go.asl, planner: {name: BITstar, samples_per_batch: 50}}"
     assert walked(trial(tmp_path, "RRTConnect", person=own)) >= shortest
-    assert asked[2:] == [og.BITstar]
+    assert queries[2:] == [og.BITstar]
 
 
-def test_samples_come_from_the_trials_seed(tmp_path):
+def test_samples_depend_on_the_seed_of_the_trial(tmp_path):
     planner = "{name: RRT, simplify: false}"
     assert walked(trial(tmp_path, planner)) == walked(trial(tmp_path, planner))
     assert walked(trial(tmp_path, planner)) != walked(trial(tmp_path, planner, seed=2**63 - 1))
 
 
 def test_a_custom_planner_with_parameters(tmp_path):
-    given = trial(tmp_path, "{name: 'mine:Straight', detour: 3.0, simplify: false}")
-    assert walked(given) == pytest.approx(10.0, abs=0.01)
-    again = sim.Trial.parse(given.to_yaml(tmp_path), folder=tmp_path)
-    assert again.planner == given.planner
+    custom = trial(tmp_path, "{name: 'mine:Straight', detour: 3.0, simplify: false}")
+    assert walked(custom) == pytest.approx(10.0, abs=0.01)
+    again = sim.Trial.parse(custom.to_yaml(tmp_path), folder=tmp_path)
+    assert again.planner == custom.planner
 
 
 @pytest.mark.parametrize(

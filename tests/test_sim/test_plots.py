@@ -87,9 +87,9 @@ def test_a_curve_follows_its_motion_and_breaks_where_it_jumps(one, other, begin,
         motions.append(join(walks))
     end = begin + length
     t = instants(motions, begin, end)
-    known = t[~np.isnan(t)]
-    assert known[0] == begin
-    assert known[-1] == pytest.approx(end) and (np.diff(known) >= 0).all()
+    times = t[~np.isnan(t)]
+    assert times[0] == begin
+    assert times[-1] == pytest.approx(end) and (np.diff(times) >= 0).all()
     jumps = sorted({j for motion in motions for j in motion.jumps if begin < j < end})
     assert [after for _, after in broken_at(t)] == jumps
     stretches = np.split(t, np.flatnonzero(np.isnan(t)))
@@ -524,8 +524,8 @@ def test_names_of_stations_avoid_the_marks_of_violations():
         _, axes = floor_figure(plan, "double")
         draw_floor(axes, plan)
         draw_names(axes, plan, marked=marked)
-        found = {text.get_text(): outline(axes, text) for text in axes.texts}
-        return {name: found[name] for name in stations}
+        outlines = {text.get_text(): outline(axes, text) for text in axes.texts}
+        return {name: outlines[name] for name in stations}
 
     marks = {name: area.centroid for name, area in names([]).items()}
     for name, area in names([(at.x, at.y) for at in marks.values()]).items():

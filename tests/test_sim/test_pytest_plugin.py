@@ -73,15 +73,15 @@ def write(pytester, **files):
         (pytester.path / name.replace("__", ".")).write_text(text)
 
 
-def is_no_test(run_pytest, said):
+def is_no_test(run_pytest, message):
     """Assert that collection fails with this message, and return the result."""
     result = run_pytest()
     result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines([said])
+    result.stdout.fnmatch_lines([message])
     return result
 
 
-def test_a_trial_that_expects_something_is_a_test(pytester, run_pytest):
+def test_a_trial_with_expectations_is_a_test(pytester, run_pytest):
     write(
         pytester,
         good__trial__yaml=PASSES,
@@ -124,26 +124,26 @@ def test_without_the_option_replays_are_in_the_cache(pytester, run_pytest):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (("penalties: 0", "penaltys: 0"), "line 4, expect.penaltys: *the nearest are penalties*"),
         (("duration: 20", "duration: ["), "*is not YAML*"),
     ],
 )
-def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, said):
+def test_a_typo_is_an_error_at_collection(pytester, run_pytest, change, message):
     write(pytester, bad__trial__yaml=PASSES.replace(*change))
-    result = is_no_test(run_pytest, f"*bad.trial.yaml: {said}")
+    result = is_no_test(run_pytest, f"*bad.trial.yaml: {message}")
     assert "Traceback" not in result.stdout.str()
 
 
-def test_own_code_may_be_refused(pytester, run_pytest):
+def test_own_code_may_be_forbidden(pytester, run_pytest):
     own = PASSES.replace("expect", "gantry: {controller: 'refused:mine'}\nexpect")
     write(
         pytester, refused__py="def mine(gantry):\n    yield gantry.wait(5)\n", own__trial__yaml=own
     )
     run_pytest().assert_outcomes(passed=1)
-    said = "*own.trial.yaml: line 4, gantry.controller: *code of your own is refused here*"
-    is_no_test(lambda: run_pytest("--no-own-code"), said)
+    message = "*own.trial.yaml: line 4, gantry.controller: *code of your own is refused here*"
+    is_no_test(lambda: run_pytest("--no-own-code"), message)
     (pytester.path / "own.trial.yaml").rename(pytester.path / "own.yaml")
     pytester.makepyfile(
         test_own="""
@@ -282,7 +282,7 @@ def test_identical_repeats_are_reported_on_several_processes(repeats, run_pytest
 
 
 @pytest.mark.parametrize(
-    ("marker", "said"),
+    ("marker", "message"),
     [
         ('personalities("helpfull")', "*did you mean 'helpful'?*"),
         ('controllers("nowhere:mine")', "*there is no nowhere.py in*"),
@@ -295,10 +295,12 @@ def test_identical_repeats_are_reported_on_several_processes(repeats, run_pytest
         ('personality("helpful")', "*'personality' not found in `markers`*"),
     ],
 )
-def test_a_marker_that_makes_no_sense_is_an_error_at_collection(pytester, run_pytest, marker, said):
+def test_a_marker_that_makes_no_sense_is_an_error_at_collection(
+    pytester, run_pytest, marker, message
+):
     text = f"import pytest\n\n@pytest.mark.{marker}\ndef test_it(trial): pass\n"
     write(pytester, test_varied__py=text)
-    is_no_test(run_pytest, said)
+    is_no_test(run_pytest, message)
 
 
 @pytest.mark.parametrize("where", ["here", "elsewhere"])
@@ -404,7 +406,9 @@ def test_it(run_trial):
     assert len(list((pytester.path / "pages").iterdir())) == 1
 
 
-def test_a_failed_test_of_many_people_says_how_they_fared_and_names_the_first(pytester, run_pytest):
+def test_a_failed_test_of_many_people_reports_their_results_and_names_the_first(
+    pytester, run_pytest
+):
     write(
         pytester,
         crowd__trial__yaml="""
@@ -430,7 +434,7 @@ def test_the_example_project_passes_on_several_processes(pytester, run_pytest_al
     result.assert_outcomes(passed=12)
 
 
-def test_suites_without_trials_load_nothing(pytester, run_pytest_alone):
+def test_suites_without_trials_load_no_simulation(pytester, run_pytest_alone):
     write(
         pytester,
         notes__yaml="expect: x\n",

@@ -83,34 +83,34 @@ TRIAL = sim.Trial(
 )
 
 
-def told_as(number, value):
+def converted(number, value):
     """Return `value` with each whole float, at any depth, converted by `number`."""
     if isinstance(value, float) and value.is_integer():
         return number(value)
     if isinstance(value, tuple):
-        return tuple(told_as(number, one) for one in value)
+        return tuple(converted(number, one) for one in value)
     if isinstance(value, dict):
-        return {key: told_as(number, one) for key, one in value.items()}
+        return {key: converted(number, one) for key, one in value.items()}
     if dataclasses.is_dataclass(value) and not isinstance(value, bdi.Program):
         fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value) if f.init}
-        return replace(value, **{name: told_as(number, one) for name, one in fields.items()})
+        return replace(value, **{name: converted(number, one) for name, one in fields.items()})
     return value
 
 
 @pytest.mark.parametrize("number", [int, np.int64, np.float64])
 def test_numbers_of_any_type_are_numbers(number):
-    assert isinstance(told_as(number, FLOOR).stations[0].position[0], number)
-    run, other = sim.run(TRIAL), sim.run(told_as(number, TRIAL))
+    assert isinstance(converted(number, FLOOR).stations[0].position[0], number)
+    run, other = sim.run(TRIAL), sim.run(converted(number, TRIAL))
     assert len(run.events) > 10
     assert other.events == run.events
 
 
-def trial(**given):
-    return lambda: sim.run(replace(TRIAL, **given))
+def trial(**changes):
+    return lambda: sim.run(replace(TRIAL, **changes))
 
 
-def person(**given):
-    return trial(people=(replace(TRIAL.people[0], **given),))
+def person(**changes):
+    return trial(people=(replace(TRIAL.people[0], **changes),))
 
 
 LAW = navigation.FixedDistance(1.0)
@@ -157,8 +157,8 @@ def test_values_are_shown_in_a_line():
 def test_a_planned_path_is_walked_as_it_is():
     world = navigation.CollisionWorld(floorplan.load("warehouse"))
     path = navigation.PathPlanner(world, radius=0.3).plan((1.5, 1.5), (28.0, 10.0))
-    walked, given = navigation.walk(path), navigation.walk(path.points)
-    assert walked.end == given.end and np.array_equal(np.asarray(path), path.points)
+    walked, expected = navigation.walk(path), navigation.walk(path.points)
+    assert walked.end == expected.end and np.array_equal(np.asarray(path), path.points)
 
 
 def test_an_invalid_pose_and_invalid_samples_are_rejected():

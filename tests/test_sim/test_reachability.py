@@ -48,9 +48,9 @@ def problems(floor, rest):
     ],
 )
 def test_a_place_forbidden_to_a_vehicle_is_an_error_at_its_line(floor, key):
-    found = problems(floor, CART)
-    assert found.keys() == {f"machines.cart.{key}"}
-    assert found[f"machines.cart.{key}"].line is not None
+    reported = problems(floor, CART)
+    assert reported.keys() == {f"machines.cart.{key}"}
+    assert reported[f"machines.cart.{key}"].line is not None
 
 
 @pytest.mark.parametrize(

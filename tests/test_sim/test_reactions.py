@@ -93,14 +93,14 @@ def test_an_agent_lags_behind_what_happens():
 
 def test_a_lag_is_drawn_for_each_thought_from_the_seed_and_the_name():
     one = scene("indifferent", "observe", ", agent_lag: [0, 1.05]")
-    found = lags(one)
-    assert len({round(lag, 6) for lag in found}) == len(found) > 5
-    assert all(0 <= lag <= 1.05 for lag in found)
-    assert lags(scene("indifferent", "observe", ", agent_lag: [0, 1.05]")) == found
+    drawn = lags(one)
+    assert len({round(lag, 6) for lag in drawn}) == len(drawn) > 5
+    assert all(0 <= lag <= 1.05 for lag in drawn)
+    assert lags(scene("indifferent", "observe", ", agent_lag: [0, 1.05]")) == drawn
     trial = sim.Trial.parse(
         SCENE.format(rules="observe", personality="indifferent", more=", agent_lag: [0, 1.05]")
     )
-    assert lags(sim.run(replace(trial, seed=1))) != found
+    assert lags(sim.run(replace(trial, seed=1))) != drawn
 
 
 def test_an_agent_that_lags_is_sent_home_once_and_walks_until_then():
@@ -136,14 +136,14 @@ def test_a_lag_is_written_and_read_again():
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("lag", "message"),
     [
         ("agent_lag: -1", "agent_lag"),
         ("agent_lag: [2, 1]", "agent_lag"),
         ("agent_lag: 1, personality: external", "agent_lag: .*no agent; omit it"),
     ],
 )
-def test_an_invalid_lag_is_rejected(given, message):
-    text = f"floorplan: ariac2023\npeople: [{{name: a, {given}}}]\n"
+def test_an_invalid_lag_is_rejected(lag, message):
+    text = f"floorplan: ariac2023\npeople: [{{name: a, {lag}}}]\n"
     with pytest.raises(sim.TrialError, match=message):
         sim.Trial.parse(text)

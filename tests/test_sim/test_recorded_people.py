@@ -78,8 +78,8 @@ gantry: {controller: parked, at: [-5.0, 2.0, 0.0]}
     walk = navigation.Motion.from_samples(times, np.column_stack([-14 + 1.3 * times, 0 * times]))
     gantry = navigation.standing((-5.0, 2.0))
     expected = navigation.violations(walk, gantry, entry.rules.gantry_law, 0.0, 30.0)
-    found = run.violations["eve", "gantry"]
-    assert len(expected) > 0 and np.allclose(found, expected, atol=1e-3)
+    intervals = run.violations["eve", "gantry"]
+    assert len(expected) > 0 and np.allclose(intervals, expected, atol=1e-3)
     assert not [event for event in run.events if event["kind"] == "teleport"]
 
 
@@ -117,15 +117,15 @@ def test_a_violation_ends_with_a_track_that_ends_in_motion(tmp_path, law):
     """Each of these laws requires less than the remaining 1.7 m beside a person who stands."""
     (tmp_path / "own_laws.py").write_text(OWN_LAWS)
     tracks(tmp_path, *straight("eve", (-12.0, 0.0), 1.0, 4.0))
-    given = trial(
+    tracked = trial(
         tmp_path,
         f"rules: {{based_on: observe, name: ours, gantry_law: {{{law}}}}}\n"
         "gantry: {controller: parked, at: [-6.3, 0, 0]}\n",
         ENDS_IN_MOTION,
     )
-    run = sim.run(given)
+    run = sim.run(tracked)
     expected = navigation.violations(
-        run.motions["eve"], run.motions["gantry"], given.rules.gantry_law, 0.0, 30.0
+        run.motions["eve"], run.motions["gantry"], tracked.rules.gantry_law, 0.0, 30.0
     )
     assert expected[-1][1] == 4.0
     assert np.allclose(run.violations["eve", "gantry"], expected, rtol=0.0, atol=1e-6)

@@ -42,13 +42,15 @@ def pictures_in(path):
 
 @needs_browser
 def test_a_film_has_the_requested_duration_and_size(run, tmp_path):
-    told = []
+    reported = []
     out = tmp_path / "run.gif"
-    plots.render(run, out, speed=10.0, fps=2, width=401, within=(0.0, 25.0), progress=told.append)
+    plots.render(
+        run, out, speed=10.0, fps=2, width=401, within=(0.0, 25.0), progress=reported.append
+    )
     pictures, durations = pictures_in(out)
     assert {picture.shape[1] for picture in pictures} == {400}
     assert sum(durations) == 6 * 500
-    assert told == pytest.approx([k / 6 for k in range(1, 7)])
+    assert reported == pytest.approx([k / 6 for k in range(1, 7)])
 
 
 @needs_browser

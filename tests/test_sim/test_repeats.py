@@ -29,8 +29,8 @@ def study(folder, text):
     return sim.Study.load(path)
 
 
-def run(folder, text, out="out", **given):
-    return sim.run_study(study(folder, text), folder / out, jobs=1, **given)
+def run(folder, text, out="out", **options):
+    return sim.run_study(study(folder, text), folder / out, jobs=1, **options)
 
 
 GRID = "grid: {personality: [indifferent, antagonistic]}\n"

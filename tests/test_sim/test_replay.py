@@ -105,16 +105,16 @@ def test_a_long_recording_is_packed(recording, open_page, monkeypatch):
     for damaged in (*damages, html[:late] + "?" + html[late + 1 :]):
         part = open_page(damaged)
         assert "cut off or damaged; this is what there is" in part.text("#notice")
-        found = part.page.evaluate("floorwalker.recording")
+        unpacked = part.page.evaluate("floorwalker.recording")
         for name in ("events", "watches"):
-            assert found[name] == whole[name][: len(found[name])]
+            assert unpacked[name] == whole[name][: len(unpacked[name])]
         for kind in ("motions", "minds"):
-            for name, things in found[kind].items():
+            for name, things in unpacked[kind].items():
                 assert things == whole[kind][name][: len(things)]
-        shown.append(len(found["bodies"]) + len(found["events"]))
+        shown.append(len(unpacked["bodies"]) + len(unpacked["events"]))
         assert part.complaints == []
     assert shown == sorted(shown)
-    assert (shown[0], shown[-1]) == (0, len(whole["bodies"]) + len(found["events"]))
+    assert (shown[0], shown[-1]) == (0, len(whole["bodies"]) + len(unpacked["events"]))
     with pytest.raises(ValueError, match="damaged"):
         replay.recordings_in(html[:late] + "?" + html[late + 1 :])
 
@@ -142,7 +142,7 @@ def test_the_page_loads_without_errors_or_requests(viewer):
     assert [url for url in viewer.requests if not url.startswith(("file:", "data:"))] == []
 
 
-def test_poses_are_those_of_the_motions(viewer, recording):
+def test_poses_equal_the_motions(viewer, recording):
     for name, pieces in recording["motions"].items():
         for t in [*INSTANTS, *(piece[0] for piece in pieces[:: len(pieces) // 12 + 1])]:
             shown = viewer.page.evaluate(
@@ -216,7 +216,7 @@ def test_a_stop_without_a_pause_ends_the_path_ahead(viewer):
     assert ahead[-1] == pytest.approx([1.0, 0.0])
 
 
-def test_separations_are_those_of_the_motions(viewer, recording):
+def test_separations_equal_the_motions(viewer, recording):
     motions = recording["motions"]
     for k, watch in enumerate(recording["watches"]):
         for t in INSTANTS:
@@ -232,7 +232,7 @@ def test_separations_are_those_of_the_motions(viewer, recording):
 
 
 @pytest.mark.parametrize("t", INSTANTS)
-def test_the_numbers_shown_are_those_of_the_instant(viewer, recording, t):
+def test_the_numbers_shown_are_those_of_the_current_time(viewer, recording, t):
     motions = recording["motions"]
     viewer.seek(t)
     distance, required = replay_sample.separation(
@@ -303,7 +303,7 @@ people: [{name: GUEST, source: {at: [1, 2], rate: 0.5, count: 4}, sink: [29, 2]}
 """.replace("GUEST", "guest" * 6)
 
 
-def test_people_with_long_names_who_come_and_go(open_page):
+def test_people_with_long_names_may_enter_and_leave(open_page):
     run = sim.run(sim.Trial.parse(CROWD, file="crowd.yaml"))
     viewer = open_page(replay.render(rounded(replay_data(run))))
     assert viewer.page.locator("#compare").bounding_box()["x"] < 1280
@@ -677,8 +677,8 @@ def test_a_violation_is_described_in_words(viewer, recording):
     ],
 )
 def test_a_distance_that_is_too_short_looks_shorter(viewer, distance, required, shown):
-    found = viewer.page.evaluate("([d, r]) => toldApart(d, r)", [distance, required])
-    assert (found["distance"], found["required"]) == distinguished(distance, required) == shown
+    texts = viewer.page.evaluate("([d, r]) => toldApart(d, r)", [distance, required])
+    assert (texts["distance"], texts["required"]) == distinguished(distance, required) == shown
 
 
 def test_the_floor_is_drawn_from_the_time_shown(viewer):
@@ -984,7 +984,7 @@ def test_an_almost_empty_floor(open_page):
     assert viewer.complaints == []
 
 
-def test_names_are_shown_as_they_are(open_page, recording):
+def test_names_are_shown_unchanged(open_page, recording):
     hostile = copy.deepcopy(recording)
     name = "<img src=x onerror=alert(1)>"
     hostile["title"] = name
@@ -1077,8 +1077,8 @@ def test_a_truncated_page_shows_its_beginning(open_page, recording):
         whole = json.loads(text)
         for name, pieces in motions.items():
             assert pieces == whole["motions"][name][: len(pieces)]
-        for found, key in zip(lists, ("events", "watches"), strict=True):
-            assert found == whole[key][: len(found)]
+        for beginning, key in zip(lists, ("events", "watches"), strict=True):
+            assert beginning == whole[key][: len(beginning)]
         sizes.append(sum(map(len, [*motions.values(), *lists])))
     assert sizes == sorted(set(sizes))
     viewer = open_page(html[: start + round(0.8 * (len(html) - start))])
@@ -1115,7 +1115,7 @@ def test_a_law_of_motions_is_drawn_along_its_curve(open_page):
     shown = "([watch, t]) => window.floorwalker.separation(watch, t)"
     for t in (0.05, 1.3, 5.1, 12.0, 22.7, 31.9):
         required = float(run.required("a", "gantry", t))
-        found = viewer.page.evaluate(shown, [watch, t])
-        assert found["required"] == pytest.approx(required, abs=1e-6)
-        assert found["notice"] == pytest.approx(2 * required, abs=1e-6)
+        separation = viewer.page.evaluate(shown, [watch, t])
+        assert separation["required"] == pytest.approx(required, abs=1e-6)
+        assert separation["notice"] == pytest.approx(2 * required, abs=1e-6)
     assert viewer.complaints == []

@@ -12,8 +12,8 @@ def test_axe_finds_no_violation(open_page, axe, scheme):
     for view in ("2d", "3d"):
         viewer.page.evaluate("view => window.floorwalker.show(view)", view)
         viewer.seek(61.7)
-        found = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
-        assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in found["violations"]] == []
+        result = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
+        assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in result["violations"]] == []
 
 
 def test_every_control_can_be_reached_by_the_keyboard(open_page):

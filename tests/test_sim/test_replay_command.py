@@ -43,9 +43,9 @@ def test_an_interrupted_run_gets_its_page(folder, floorwalker):
 def test_a_recording_can_be_extracted_from_its_page(folder):
     page = (folder / "whole" / "replay.html").read_text(encoding="utf-8")
     data = replay_data(sim.load_run(folder / "whole"))
-    (found,) = recordings_in(page)
-    assert found["motions"] == recordings_in(render(data))[0]["motions"]
-    assert render(found) == page
+    (extracted,) = recordings_in(page)
+    assert extracted["motions"] == recordings_in(render(data))[0]["motions"]
+    assert render(extracted) == page
 
 
 def test_a_damaged_recording_is_shown_up_to_the_damage(folder, tmp_path, floorwalker):

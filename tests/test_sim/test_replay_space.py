@@ -189,7 +189,7 @@ def test_lines_of_sight_against_shapely(viewer):
         ]
         ends = [[rng.uniform(-4, 4), rng.uniform(-4, 4), rng.uniform(0, 3)] for _ in range(2)]
         cases.append((ring, 0.5, 2.0, *ends))
-    found = viewer.page.evaluate(
+    lines = viewer.page.evaluate(
         """cases => cases.map(([ring, low, high, a, b]) => {
             const share = entryInto(uprightSolid(ring, low, high), a, b);
             return share === Infinity ? null : share;
@@ -197,7 +197,7 @@ def test_lines_of_sight_against_shapely(viewer):
         cases,
     )
     hits = 0
-    for (ring, low, high, a, b), share in zip(cases, found, strict=True):
+    for (ring, low, high, a, b), share in zip(cases, lines, strict=True):
         heights = sorted((z - a[2]) / (b[2] - a[2]) for z in (low, high))
         begin, end = max(0.0, heights[0]), min(1.0, heights[1])
         want = None

@@ -9,10 +9,10 @@ from replay_sample import replay
 pytestmark = pytest.mark.slow  # browsers draw in software
 
 MOST_CALLS = 1500
-"""Calls to the canvas that a frame with seven bodies may need."""
+"""Maximum number of calls to the canvas for a frame with seven bodies."""
 
 MOST_EVALUATIONS = 150
-"""Positions of bodies that it may work out."""
+"""Maximum number of positions of bodies computed for a frame."""
 
 COUNT = """
 t => new Promise(done => {

@@ -42,10 +42,10 @@ def test_exposure_in_zones_is_the_time_in_them(run):
         occupied += 0.005 * inside.sum()
         close += 0.005 * (inside & near).sum()
         entries += (inside[1:] & ~inside[:-1]).sum()
-    found = run.summary["zones"]["middle"]
-    assert found["time_occupied"] == pytest.approx(occupied, abs=0.1) and occupied > 5
-    assert found["time_too_close"] == pytest.approx(close, abs=0.1) and close > 1
-    assert found["entries"] == entries
+    exposure = run.summary["zones"]["middle"]
+    assert exposure["time_occupied"] == pytest.approx(occupied, abs=0.1) and occupied > 5
+    assert exposure["time_too_close"] == pytest.approx(close, abs=0.1) and close > 1
+    assert exposure["entries"] == entries
     assert run.summary["zones"]["corner"] == {
         "time_occupied": 0.0,
         "time_too_close": 0.0,

@@ -13,7 +13,7 @@ import floorplan
 from navigation import standing
 from navigation.motion import State
 from sim.bridge.client import MOST_REPLIES, Outbox, TopicQueue
-from sim.bridge.machine_topics import TrajectoryError, target_of, trajectory_motion
+from sim.bridge.machine_topics import trajectory_of
 from sim.bridge.messages import (
     JOINTS,
     MESSAGES,
@@ -24,7 +24,6 @@ from sim.bridge.messages import (
     joint_values,
     message_type,
     order_message,
-    pose_of,
 )
 from sim.bridge.protocol import (
     Account,
@@ -36,6 +35,7 @@ from sim.bridge.protocol import (
     decode,
     fragments,
 )
+from sim.cell.trajectories import TrajectoryError, motion_along, pose_of, target_in
 from sim.orders.workload import AssemblyTask, CombinedTask, KittingTask, Order, PartType
 
 JSON = st.recursive(
@@ -59,7 +59,7 @@ def test_an_operation_is_read():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "words"),
     [
         ("{", "not JSON"),
         ("[1, 2]", '"op"'),
@@ -76,10 +76,10 @@ def test_an_operation_is_read():
         (b"\xff\x00", "not JSON"),
     ],
 )
-def test_an_invalid_operation_is_rejected(text, told):
+def test_an_invalid_operation_is_rejected(text, words):
     with pytest.raises(ProtocolError) as caught:
         decode(text)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -125,7 +125,7 @@ def test_types_have_two_names():
 
 
 @pytest.mark.parametrize(
-    ("type_", "message", "told"),
+    ("type_", "message", "words"),
     [
         ("geometry_msgs/Point", {"x": "1"}, "x should be a float64, not '1'"),
         ("geometry_msgs/Point", {"x": True}, "x should be a float64, not True"),
@@ -149,10 +149,10 @@ def test_types_have_two_names():
         ),
     ],
 )
-def test_an_invalid_message_is_rejected_with_its_place(type_, message, told):
+def test_an_invalid_message_is_rejected_with_its_place(type_, message, words):
     with pytest.raises(MessageError) as caught:
         conform(message_type(type_), message)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
     assert len(str(caught.value)) < 300
 
 
@@ -208,10 +208,10 @@ def test_the_number_of_fragments_is_bounded():
 
 def everything_in(outbox):
     async def read():
-        found = []
+        messages = []
         while outbox:
-            found.append((await outbox.get())[0])
-        return found
+            messages.append((await outbox.get())[0])
+        return messages
 
     return asyncio.run(read())
 
@@ -233,7 +233,7 @@ def test_the_oldest_messages_of_a_topic_are_dropped_when_too_many_wait():
 
 
 def test_messages_that_cannot_be_dropped_are_bounded():
-    for text, many, told in (
+    for text, many, words in (
         ("x", MOST_REPLIES, f"{MOST_REPLIES} answers wait"),
         ("x" * 100_000, MOST // 100_000, f"more than {MOST} bytes"),
         ("\U0001f600" * 25_000, MOST // 100_000, f"more than {MOST} bytes"),
@@ -246,7 +246,7 @@ def test_messages_that_cannot_be_dropped_are_bounded():
         for _ in range(5):
             outbox.reply(text)
         assert len(refused) == 1
-        assert told in refused[0]
+        assert words in refused[0]
         assert len(outbox) <= many
 
 
@@ -331,6 +331,11 @@ TOPIC = "/gantry_controller/joint_trajectory"
 
 
 def trajectory(*points, names=JOINTS):
+    """Return the trajectory of a message. See `message_of`."""
+    return trajectory_of(message_of(*points, names=names))
+
+
+def message_of(*points, names=JOINTS):
     """Return a message of points (time, positions) or (time, positions, velocities)."""
     written = []
     for t, positions, *velocities in points:
@@ -360,7 +365,7 @@ def test_a_trajectory_goes_through_its_points_at_their_times():
     message = trajectory(
         (4.0, (0.5, -0.5, 0.1), (0.2, -0.1, 0.0)), (8.0, (1.0, -0.7, 0.4), (0, 0, 0))
     )
-    motion = trajectory_motion(GANTRY, HOME, 10.0, message)
+    motion = motion_along(GANTRY, HOME, 10.0, message)
     assert (motion.start, motion.end) == (10.0, 18.0)
     middle = motion.state(14.0)
     assert middle.position == pytest.approx((-6.5, 0.5, 0.1))
@@ -371,25 +376,25 @@ def test_a_trajectory_goes_through_its_points_at_their_times():
 def test_joints_may_come_in_any_order_and_the_first_point_may_be_the_current_one():
     names = ("gantry_rotation_joint", "gantry_y_axis_joint", "gantry_x_axis_joint")
     message = trajectory((0.0, (0, 0, 0)), (5.0, (0.3, 0.2, 0.1)), names=names)
-    motion = trajectory_motion(GANTRY, HOME, 0.0, message)
+    motion = motion_along(GANTRY, HOME, 0.0, message)
     assert motion.state(5.0).position == pytest.approx((-6.9, -0.2, 0.3))
 
 
 def test_a_trajectory_without_velocities_passes_its_points_without_a_stop():
     message = trajectory((4.0, (1, 0, 0)), (8.0, (2, 0, 0)), (12.0, (3, 0, 0)), (18.0, (3, 1, 0)))
-    motion = trajectory_motion(GANTRY, HOME, 0.0, message)
+    motion = motion_along(GANTRY, HOME, 0.0, message)
     assert motion.velocity(4.0) == pytest.approx((0.25, 0.0))
     assert motion.velocity(12.0) == pytest.approx((0.0, 0.0))
 
 
 def test_one_point_without_a_time_is_just_a_target():
     message = trajectory((0.0, (1.0, -2.0, 0.5)))
-    assert target_of(GANTRY, message) == pytest.approx((-6.0, 2.0, 0.5))
-    assert target_of(GANTRY, trajectory((1.0, (1.0, -2.0, 0.5)))) is None
+    assert target_in(GANTRY, message) == pytest.approx((-6.0, 2.0, 0.5))
+    assert target_in(GANTRY, trajectory((1.0, (1.0, -2.0, 0.5)))) is None
 
 
 @pytest.mark.parametrize(
-    ("message", "told"),
+    ("message", "words"),
     [
         (trajectory(), "without points"),
         (trajectory((1.0, (0, 0)), names=JOINTS[:2]), "joint_names should be"),
@@ -409,10 +414,10 @@ def test_one_point_without_a_time_is_just_a_target():
         ),
     ],
 )
-def test_a_trajectory_that_the_gantry_cannot_follow_is_rejected(message, told):
+def test_a_trajectory_that_the_gantry_cannot_follow_is_rejected(message, words):
     with pytest.raises(TrajectoryError) as caught:
-        trajectory_motion(GANTRY, HOME, 0.0, message)
-    assert told in str(caught.value)
+        motion_along(GANTRY, HOME, 0.0, message)
+    assert words in str(caught.value)
 
 
 @given(
@@ -431,7 +436,7 @@ def test_an_accepted_trajectory_stays_within_the_limits_at_all_times(steps):
         t += duration
         points.append((round(t, 6), joints))
     try:
-        motion = trajectory_motion(GANTRY, HOME, 0.0, trajectory(*points))
+        motion = motion_along(GANTRY, HOME, 0.0, trajectory(*points))
     except TrajectoryError:
         assume(False)
     times = np.linspace(0.0, motion.end, 2000)
@@ -457,16 +462,18 @@ def test_an_external_controller_moves_the_gantry():
         client.send(op="advertise", topic=TOPIC, type="trajectory_msgs/JointTrajectory")
         client.subscribe("/joint_states", "/ariac/robot_health")
         client.message("/joint_states")
-        send(client, trajectory((6.0, (3.5, -0.5, 0.5), (0, 0, 0))))
+        send(client, message_of((6.0, (3.5, -0.5, 0.5), (0, 0, 0))))
         reached = client.hear_until(
-            lambda said: said["topic"] == "/joint_states" and said["msg"]["position"][0] == 3.5
+            lambda heard: heard["topic"] == "/joint_states" and heard["msg"]["position"][0] == 3.5
         )
         assert reached["msg"]["position"] == pytest.approx([3.5, -0.5, 0.5])
-        send(client, trajectory((0.0, (-7.2, 6.5, 0.0))))
+        send(client, message_of((0.0, (-7.2, 6.5, 0.0))))
         client.hear_until(
-            lambda said: said["topic"] == "/ariac/robot_health" and not said["msg"]["ceiling_robot"]
+            lambda heard: (
+                heard["topic"] == "/ariac/robot_health" and not heard["msg"]["ceiling_robot"]
+            )
         )
-        send(client, trajectory((0.0, (0.0, 0.0, 0.0))))
+        send(client, message_of((0.0, (0.0, 0.0, 0.0))))
         assert client.error()["msg"] == "the gantry is disabled"
         run = session.join()
     assert run.summary["penalties"] >= 1
@@ -476,5 +483,5 @@ def test_an_external_controller_moves_the_gantry():
 
 def test_a_gantry_with_an_internal_controller_accepts_no_trajectories():
     with served(trial(), hold=True) as session, Client(session.url) as client:
-        send(client, trajectory((0.0, (0.0, 0.0, 0.0))))
+        send(client, message_of((0.0, (0.0, 0.0, 0.0))))
         assert "no topic is called" in client.error()["msg"]

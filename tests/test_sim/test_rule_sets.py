@@ -64,15 +64,15 @@ def test_the_person_is_also_sent_home_during_the_grace(tmp_path):
     assert [t["t"] for t in events(result, "teleport")] == [v["t"] for v in violations]
     assert len(events(result, "gantry_disabled")) == result.summary["penalties"]
     assert sum(end - begin for begin, end in result.violations["a", "gantry"]) < SAMPLE
-    assert result.summary["agv_teleports"] == 0  # those were with the gantry
+    assert result.summary["agv_teleports"] == 0  # both violations were with the gantry
 
 
 def test_a_violation_that_lasts_is_a_penalty_again_as_the_grace_ends():
     rules = replace(sim.PAPER, person="none", gantry_disabled=8.0, grace=5.0)
     people = "[{name: a, personality: external, at: [-7.5, 0.5]}]"
     result = run(parked("paper", people, at="[-7.0, 0.0, 0.0]", duration=30), rules=rules)
-    found = [(v["t"], v["penalty"]) for v in events(result, "violation")]
-    assert found == [(0.0, True), (13.0, True), (26.0, True)]
+    penalties = [(v["t"], v["penalty"]) for v in events(result, "violation")]
+    assert penalties == [(0.0, True), (13.0, True), (26.0, True)]
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_a_violation_that_lasts_is_reported_every_ten_seconds():
 
 
 @pytest.mark.parametrize("start", [0.0, 7.0])
-def test_nothing_is_noticed_for_twenty_seconds_after_the_start_and_after_a_teleport(start):
+def test_no_machine_is_noticed_for_twenty_seconds_after_the_start_and_after_a_teleport(start):
     people = f"[{{name: a, start: {{time: {start}}}, at: [-8.5, 0]}}]"
     result = run(parked("ariac2023", people, duration=200))
     early = [event["t"] for event in events(result, "gantry_detected") if event["t"] < start]
@@ -126,9 +126,9 @@ def test_distances_to_agvs_are_measured_to_their_tray():
     apart = np.hypot(*(agv.position(t) - person.position(t) + TRAY).T)
     moves = np.hypot(*agv.velocity(t).T) > 0.01
     changes = t[1:][np.diff((apart < 2.1) & moves)]
-    found = [instant for span in result.violations["a", "agv1"] for instant in span]
-    assert len(found) == 4
-    assert found == pytest.approx(changes.tolist(), abs=1.1 * SAMPLE)
+    ends = [instant for span in result.violations["a", "agv1"] for instant in span]
+    assert len(ends) == 4
+    assert ends == pytest.approx(changes.tolist(), abs=1.1 * SAMPLE)
     assert result.distance("a", "agv1", t) == pytest.approx(apart)
     for event in events(result, "violation", **{"with": "agv1"}):
         assert event["distance"] == pytest.approx(2.1, abs=1e-6)
@@ -152,7 +152,7 @@ def test_a_violation_of_a_second_person_is_found_while_the_gantry_is_disabled(tm
     assert enabled == pytest.approx(second["t"] + 8.0)
 
 
-def test_the_antagonistic_person_goes_on_to_the_next_station_after_the_gantry():
+def test_the_antagonistic_person_continues_to_the_next_station_after_the_gantry():
     people = "[{name: a, personality: antagonistic}]"
     result = run(parked("observe", people, at="[-7.0, 0.0, 0.0]", duration=60))
     goals = [event["station"] for event in events(result, "goal")]
@@ -174,7 +174,7 @@ def test_after_an_agv_the_person_waits_as_long_as_after_the_gantry():
     assert onwards == pytest.approx(teleport + 8.0)
 
 
-# ---- observe, protective_stop, and what a violation does
+# ---- observe, protective_stop, and consequences of a violation
 
 
 @pytest.mark.parametrize("personality", ["antagonistic", "indifferent"])
@@ -252,10 +252,10 @@ def test_a_protective_stop_lasts_from_the_violation_until_there_is_room(stopped,
     motion = stopped.motions[machine]
     t = np.arange(0.0, stopped.duration, 0.01)
     moves = np.hypot(*motion.velocity(t).T) > 1e-6
-    held = np.zeros(len(t), dtype=bool)
+    at_rest = np.zeros(len(t), dtype=bool)
     for begin, end in spans:
-        held |= (t >= begin + 3.0) & (t < end)  # braking takes at most 2.5 s
-    assert not (moves & held).any()
+        at_rest |= (t >= begin + 3.0) & (t < end)  # braking takes at most 2.5 s
+    assert not (moves & at_rest).any()
     for person in ("a", "b"):
         apart = stopped.distance(person, machine, t)
         required = stopped.required(person, machine, t)

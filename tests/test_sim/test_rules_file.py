@@ -241,15 +241,15 @@ def test_a_custom_law_can_be_sent_between_processes(folder, name):
 
 
 def test_the_module_beside_the_trial_is_used_regardless_of_earlier_imports(tmp_path):
-    found = []
+    distances = []
     for metres in (1.0, 2.0, 1.0):
         folder = tmp_path / str(metres)
         folder.mkdir(exist_ok=True)
         text = f"class Law:\n    def distance(self, human, robot):\n        return {metres}\n"
         (folder / "same_name.py").write_text(text)
         rules = trial("gantry_law: {'same_name:Law': {}}", folder).rules
-        found.append(rules.gantry_law.distance(0.0, 0.0))
-    assert found == [1.0, 2.0, 1.0]
+        distances.append(rules.gantry_law.distance(0.0, 0.0))
+    assert distances == [1.0, 2.0, 1.0]
 
 
 def test_a_law_that_fails_while_the_trial_runs_is_named_with_its_line(folder):
@@ -292,8 +292,8 @@ def test_a_recording_contains_the_distances_required_by_an_integral_law(tmp_path
     back = sim.load_run(tmp_path / "out")
     times = np.linspace(0.0, 60.0, 501)
     for machine in ("gantry", "agv1"):
-        kept = back.required("operator", machine, times)
-        assert kept == pytest.approx(run.required("operator", machine, times), abs=1e-8)
+        recorded = back.required("operator", machine, times)
+        assert recorded == pytest.approx(run.required("operator", machine, times), abs=1e-8)
 
 
 def test_a_rule_set_in_a_separate_file(folder):

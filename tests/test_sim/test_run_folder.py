@@ -67,7 +67,7 @@ def test_the_second_run_that_begins_in_one_folder_is_rejected(tmp_path):
     assert sim.load_run(tmp_path / "run").summary == run.summary
 
 
-def test_everything_comes_back(recorded):
+def test_a_recording_contains_the_whole_run(recorded):
     run, folder = recorded
     back = sim.load_run(folder)
     assert run.summary["penalties"] > 0
@@ -113,8 +113,8 @@ def test_an_interrupted_run_is_loaded_as_far_as_it_was_written(recorded, folder)
         # Violations end with a teleport, so they are found to the microsecond from the motions
         # before.
         assert len(back.violations[pair]) == len(intervals)
-        for found, noted in zip(back.violations[pair], intervals, strict=True):
-            assert found == pytest.approx(noted, abs=1e-6)
+        for interval, noted in zip(back.violations[pair], intervals, strict=True):
+            assert interval == pytest.approx(noted, abs=1e-6)
 
 
 def test_recorded_pieces_of_zero_duration_change_nothing(folder):
@@ -234,16 +234,18 @@ def test_damage_is_reported_with_its_place(recorded, folder, file, damage, messa
         damaged = damage(text)
         assert damaged != text
         path.write_text(damaged, encoding="utf-8")
-    with pytest.raises(sim.RecordingError, match=message) as told:
+    with pytest.raises(sim.RecordingError, match=message) as error:
         sim.load_run(folder)
-    assert str(folder) in str(told.value)
-    said = []
+    assert str(folder) in str(error.value)
+    reported = []
     if file == "scene.json" and "scene/9" not in message:
         with pytest.raises(sim.RecordingError, match=message):
-            sim.load_run(folder, damage=said.append)
+            sim.load_run(folder, damage=reported.append)
         return
-    left = sim.load_run(folder, damage=said.append)
-    assert re.search(message if file != "scene.json" else "later format .*scene/9", " ".join(said))
+    left = sim.load_run(folder, damage=reported.append)
+    assert re.search(
+        message if file != "scene.json" else "later format .*scene/9", " ".join(reported)
+    )
     run, _ = recorded
     for name, motion in left.motions.items():
         for t in (0.0, 0.5 * motion.end, motion.end):
@@ -259,9 +261,9 @@ def test_known_parts_of_a_later_version_are_read(recorded, folder):
     scene |= {"format": "floorwalker-scene/2", "weather": "rain"}
     scene["rules"]["mercy"] = 3.0
     path.write_text(json.dumps(scene), encoding="utf-8")
-    said = []
-    left = sim.load_run(folder, damage=said.append)
-    assert said == [
+    reported = []
+    left = sim.load_run(folder, damage=reported.append)
+    assert reported == [
         "made in the later format floorwalker-scene/2; what this version knows of it is shown"
     ]
     assert left.motions == recorded[0].motions
@@ -287,7 +289,7 @@ scaled = st.builds(Scaled, laws, terms, st.just(math.inf) | terms)
 
 @settings(max_examples=30)
 @given(st.sampled_from(floorplan.builtin()), laws, scaled, st.just(math.inf) | terms)
-def test_every_scene_comes_back(tmp_path_factory, floor, law, noticed, parting):
+def test_every_scene_is_read_back_unchanged(tmp_path_factory, floor, law, noticed, parting):
     notice = replace(sim.PAPER.notice, law=noticed, parting=parting, every=None)
     rules = replace(sim.PAPER, gantry_law=law, notice=notice)
     people = (Figure("ada", personality="inf", radius=0.3, height=1.7),)

@@ -53,11 +53,11 @@ def page(run, tmp_path_factory):
 
 
 def test_incidents_have_the_least_margin_and_the_highest_speed(run):
-    found = incidents(run)
-    assert found and [one.begin for one in found] == sorted(
+    recorded = incidents(run)
+    assert recorded and [one.begin for one in recorded] == sorted(
         begin for some in run.violations.values() for begin, _ in some
     )
-    for one in found:
+    for one in recorded:
         t = np.linspace(one.begin, one.end, 4001)[:-1]
         apart = run.distance(one.person, one.machine, t)
         assert one.margin == pytest.approx((apart - 3.0).min(), abs=1e-5) and one.margin < 0
@@ -69,9 +69,9 @@ def test_incidents_have_the_least_margin_and_the_highest_speed(run):
         assert one.at == pytest.approx(run.motions["eve"].position(one.begin))
         assert ("middle" in one.zones) == (8 <= one.at[0] <= 12)
         assert one.distance == pytest.approx(3.0, abs=1e-5) and one.led_to == ()
-    assert time_too_close(run) == pytest.approx(sum(one.seconds for one in found))
+    assert time_too_close(run) == pytest.approx(sum(one.seconds for one in recorded))
     assert time_on_floor(run) == 30.0
-    worst = max(one.severity for one in found)
+    worst = max(one.severity for one in recorded)
     assert risk(run, "severity").max() == pytest.approx(worst, abs=0.03)
 
 
@@ -124,8 +124,8 @@ def test_the_page_is_accessible(page, open_page, axe, scheme):
     viewer = open_page(page, color_scheme=scheme, viewport={"width": 390, "height": 800})
     assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 390
     viewer.page.add_script_tag(content=axe)
-    found = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
-    assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in found["violations"]] == []
+    result = viewer.page.evaluate("axe.run(document, { resultTypes: ['violations'] })")
+    assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in result["violations"]] == []
 
 
 def a_study(tmp_path):
@@ -144,13 +144,13 @@ def test_findings_of_a_study_join_all_its_runs(tmp_path):
     study = results.study
     runs = [sim.run(row.trial) for row in study.rows()]
     counts = [len(incidents(run)) for run in runs]
-    found = findings(study, set(), jobs=1)
-    assert [found.rows[k].count for k in range(8)] == counts
+    joined = findings(study, set(), jobs=1)
+    assert [joined.rows[k].count for k in range(8)] == counts
     seconds = np.add.reduce([risk(run, "time") for run in runs])
-    assert np.allclose(found.maps[0]["time"], seconds)
+    assert np.allclose(joined.maps[0]["time"], seconds)
     least = min((one.margin, k) for k, run in enumerate(runs) for one in incidents(run))
-    assert (found.worst[0][1].margin, found.worst[0][0]) == least
-    trends = dict(sensitivities(with_findings(results.comparison, found)))
+    assert (joined.worst[0][1].margin, joined.worst[0][0]) == least
+    trends = dict(sensitivities(with_findings(results.comparison, joined)))
     laws, _ = trends[VIOLATIONS]
     is_three = np.array([row.trial.rules.gantry_law.metres == 3.0 for row in study.rows()])
     means = [np.mean(np.array(counts)[is_three == chosen]) for chosen in (False, True)]
@@ -169,8 +169,8 @@ def test_a_study_is_reported(tmp_path):
     assert "in 2 of 4 combinations" in text and text.count("<svg") > 8
     assert "Why machines stood still" in text and "job wait" in text
     later = findings(results.study, set(), jobs=1, warm_up=10.0)
-    kept = [incidents(after_warm_up(sim.run(row.trial), 10.0)) for row in results.study.rows()]
-    assert [one.count for one in later.rows.values()] == [*map(len, kept)]
+    listed = [incidents(after_warm_up(sim.run(row.trial), 10.0)) for row in results.study.rows()]
+    assert [one.count for one in later.rows.values()] == [*map(len, listed)]
     sim.safety_report(results, tmp_path / "report.html", jobs=1, warm_up=10.0)
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "10 s: what happened before is in no count" in text
@@ -223,7 +223,7 @@ def report_of(run, tmp_path, **keys):
     return (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_report_omits_the_warm_up_and_says_so(crowd, whole, tmp_path):
+def test_a_report_omits_the_warm_up_with_a_note(crowd, whole, tmp_path):
     run = crowd
     all_of_them, later = (incidents(after_warm_up(run, t)) for t in (0.0, 3.0))
     assert any(one.begin == 0.0 and one.person == "near" for one in all_of_them)
@@ -355,14 +355,14 @@ def test_a_report_has_a_block_to_sign(tmp_path):
 
 
 def test_the_command_rejects_wrong_arguments_before_it_runs(floorwalker, tmp_path):
-    for words, said in {
+    for words, message in {
         "report run --out report.txt": "ends in one of .html, .pdf",
         "report run --out nowhere/report.html": "there is no folder nowhere",
         "report gone.yaml --out report.html": "gone.yaml",
         "report run --jobs 2 --out report.html": "is for studies only",
     }.items():
         done = floorwalker(*words.split(), cwd=tmp_path)
-        assert done.returncode in (1, 2) and said in done.stderr
+        assert done.returncode in (1, 2) and message in done.stderr
 
 
 def test_a_pdf_needs_a_browser(run, tmp_path, monkeypatch):
@@ -391,7 +391,7 @@ def test_sources_are_written_and_rejected_for_unknown_values():
 
 
 @pytest.mark.parametrize(
-    ("law", "said"),
+    ("law", "words"),
     [
         ("{iso_ts_15066: {t1: 0.25, t2: 1.5}}", "T<sub>1</sub> = 0.25 s"),
         ("{iso_ts_15066_integral: {t1: 0.25, t2: 1.5}}", "clause 5.5.4.2.3, integral form"),
@@ -399,10 +399,10 @@ def test_sources_are_written_and_rejected_for_unknown_values():
         ("{fixed: 0.25}", "S = 0.25 m"),
     ],
 )
-def test_laws_of_all_kinds_are_written_out(tmp_path, law, said):
+def test_laws_of_all_kinds_are_written_out(tmp_path, law, words):
     text = TRIAL.replace("RULES", "observe").replace("{fixed: 3.0}", law)
     alone = replace(sim.Trial.parse(text), people=(), duration=1.0)
-    assert said in report_of(sim.run(alone), tmp_path)
+    assert words in report_of(sim.run(alone), tmp_path)
 
 
 @pytest.mark.filterwarnings("error")

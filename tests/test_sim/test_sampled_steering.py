@@ -99,10 +99,10 @@ def test_social_force_relaxes_exponentially():
 def test_social_force_of_a_person_who_stands_has_its_closed_form():
     # The ellipse is a circle, so b is the distance. A person behind counts half.
     for x, weight in ((0.9, 1.0), (-0.9, 0.5)):
-        given = scene([(0, 0), (x, 0)], [(1, 0), (0, 0)], [(1, 0), (0, 0)], steered=[True, False])
+        people = scene([(0, 0), (x, 0)], [(1, 0), (0, 0)], [(1, 0), (0, 0)], steered=[True, False])
         push = weight * 2.1 / 0.3 * math.exp(-0.9 / 0.3)
         expected = min(1.0 - math.copysign(0.05 * push, x), 1.0)
-        assert SocialForce(CALM).velocities(given)[0] == pytest.approx((expected, 0.0))
+        assert SocialForce(CALM).velocities(people)[0] == pytest.approx((expected, 0.0))
 
 
 def test_social_force_is_the_gradient_of_the_elliptical_potential():
@@ -117,17 +117,17 @@ def test_social_force_is_the_gradient_of_the_elliptical_potential():
     slope = [
         (potential(small * axis) - potential(-small * axis)) / (2 * small) for axis in np.eye(2)
     ]
-    given = scene([(0, 0), other], [(0.5, 0), (-1, 0)], [(0.5, 0), (-1, 0)])
-    given = replace(given, max_speed=np.full(2, 9.0))
+    people = scene([(0, 0), other], [(0.5, 0), (-1, 0)], [(0.5, 0), (-1, 0)])
+    people = replace(people, max_speed=np.full(2, 9.0))
     parameters = replace(CALM, faster=9.0)
-    change = SocialForce(parameters).velocities(given)[0] - (0.5, 0.0)
+    change = SocialForce(parameters).velocities(people)[0] - (0.5, 0.0)
     assert change / 0.05 == pytest.approx(-np.array(slope), rel=1e-5)
 
 
 def test_social_force_of_a_wall_has_its_closed_form():
-    given = scene([(0, 0)], [(0, 0)], [(1, 0)], walls=[(0.0, -0.8)])
+    people = scene([(0, 0)], [(0, 0)], [(1, 0)], walls=[(0.0, -0.8)])
     push = 10.0 / 0.2 * math.exp(-0.8 / 0.2)
-    assert SocialForce(CALM).velocities(given)[0] == pytest.approx((0.1, 0.05 * push))
+    assert SocialForce(CALM).velocities(people)[0] == pytest.approx((0.1, 0.05 * push))
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -179,9 +179,9 @@ def test_half_plane_of_orca_is_tangent_to_the_sampled_velocity_obstacle():
 
 
 def test_people_who_overlap_part_within_one_step():
-    given = scene([(0, 0), (0.55, 0)], [(0, 0), (0, 0)], [(0, 0), (0, 0)])
-    v = Orca().velocities(given)
-    assert math.dist(given.at[0] + 0.05 * v[0], given.at[1] + 0.05 * v[1]) >= 0.6 - 1e-9
+    people = scene([(0, 0), (0.55, 0)], [(0, 0), (0, 0)], [(0, 0), (0, 0)])
+    v = Orca().velocities(people)
+    assert math.dist(people.at[0] + 0.05 * v[0], people.at[1] + 0.05 * v[1]) >= 0.6 - 1e-9
 
 
 def test_linear_programs_against_sampled_velocities():
@@ -196,11 +196,11 @@ def test_linear_programs_against_sampled_velocities():
         ]
         walls = [replaced for replaced in planes[:2] if replaced.violation((0.0, 0.0)) <= 0.0]
         people, desired = planes[2:], tuple(chance.uniform(-0.7, 0.7, 2))
-        found = nearest_permitted(walls, people, desired, 1.0)
-        assert math.hypot(*found) <= 1 + 1e-9
-        assert all(wall.violation(found) <= 1e-9 for wall in walls)
+        permitted = nearest_permitted(walls, people, desired, 1.0)
+        assert math.hypot(*permitted) <= 1 + 1e-9
+        assert all(wall.violation(permitted) <= 1e-9 for wall in walls)
         allowed = [v for v in grid if all(wall.violation(v) <= 0 for wall in walls)]
-        worst = max(plane.violation(found) for plane in people)
+        worst = max(plane.violation(permitted) for plane in people)
         least = min(max(plane.violation(v) for plane in people) for v in allowed)
         if worst > 1e-9:
             crowded += 1
@@ -208,7 +208,7 @@ def test_linear_programs_against_sampled_velocities():
         else:
             free = [v for v in allowed if all(plane.violation(v) <= 0 for plane in people)]
             nearest = min((math.dist(v, desired) for v in free), default=math.inf)
-            assert math.dist(found, desired) <= nearest + 1e-9
+            assert math.dist(permitted, desired) <= nearest + 1e-9
     assert 10 < crowded < 70
 
 
@@ -216,8 +216,8 @@ def test_nearest_points_of_walls():
     room = shapely.box(0, 0, 10, 10) - shapely.box(4, 4, 6, 6)
     at = np.array([(3.5, 5.0), (3.5, 3.5), (0.5, 0.25)])
     who, points = WallSides(room).near(at, 1.0)
-    found = sorted((k, *place) for k, place in zip(who.tolist(), points.tolist(), strict=True))
-    assert found == [(0, 4.0, 5.0), (1, 4.0, 4.0), (2, 0.0, 0.25), (2, 0.5, 0.0)]
+    nearest = sorted((k, *place) for k, place in zip(who.tolist(), points.tolist(), strict=True))
+    assert nearest == [(0, 4.0, 5.0), (1, 4.0, 4.0), (2, 0.0, 0.25), (2, 0.5, 0.0)]
 
 
 @pytest.mark.parametrize("steering", MODELS)
@@ -235,8 +235,8 @@ def test_person_alone_walks_straight_to_the_goal(tmp_path, steering):
 
 
 @pytest.mark.parametrize("steering", MODELS)
-def test_a_trial_of_people_who_cross_is_the_same_again(tmp_path, steering):
-    given = trial(
+def test_a_trial_of_crossing_people_is_repeatable(tmp_path, steering):
+    crossing = trial(
         tmp_path,
         steering,
         ("a", "1, 3", "11, 3.1"),
@@ -244,7 +244,7 @@ def test_a_trial_of_people_who_cross_is_the_same_again(tmp_path, steering):
         ("c", "6, 0.6", "6, 5.2"),
         ("d", "6.5, 5.4", "6, 0.7"),
     )
-    run, again = sim.run(given), sim.run(given)
+    run, again = sim.run(crossing), sim.run(crossing)
     arrived = [event["person"] for event in run.events if event["kind"] == "arrived"]
     assert sorted(arrived) == ["a", "b", "c", "d"]
     assert run.events == again.events
@@ -262,8 +262,8 @@ def test_a_trial_of_people_who_cross_is_the_same_again(tmp_path, steering):
 
 @pytest.mark.parametrize("steering", MODELS)
 def test_a_sampled_steering_is_written_again(tmp_path, steering):
-    given = trial(tmp_path, steering, ("a", "1, 3", "11, 3"))
-    assert f"steering: {NAMES[steering]}" in given.to_yaml(folder=tmp_path)
+    steered = trial(tmp_path, steering, ("a", "1, 3", "11, 3"))
+    assert f"steering: {NAMES[steering]}" in steered.to_yaml(folder=tmp_path)
 
 
 def test_a_steering_without_a_module_is_rejected():
@@ -278,6 +278,6 @@ def test_a_steering_without_a_module_is_rejected():
 def test_wrong_velocities_end_the_run_with_the_name_of_the_steering(tmp_path, result, word):
     code = f"class Broken:\n    def velocities(self, scene):\n        return {result}\n"
     (tmp_path / "mine.py").write_text(code)
-    given = trial(tmp_path, "mine:Broken", ("a", "1, 3", "11, 3"))
+    broken = trial(tmp_path, "mine:Broken", ("a", "1, 3", "11, 3"))
     with pytest.raises(ValueError, match=rf"mine:Broken.*{word}"):
-        sim.run(given)
+        sim.run(broken)

@@ -178,7 +178,7 @@ def test_an_agv_that_drives_past_teleports_without_penalty(tmp_path):
     assert run.summary["gantry_disabled_time"] == 0.0
 
 
-def test_an_agv_that_comes_near_a_walking_person():
+def test_an_agv_that_passes_a_walking_person():
     run = sim.run(
         sim.Trial.parse(
             """

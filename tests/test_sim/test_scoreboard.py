@@ -53,22 +53,22 @@ def test_all_controllers_get_the_same_draws(results):
 
 def test_scores_are_means_and_the_worst_row_has_the_least_margin(results):
     columns = results.columns
-    found = {score.controller: score for score in scores(results)}
-    for name, score in found.items():
+    by_controller = {score.controller: score for score in scores(results)}
+    for name, score in by_controller.items():
         mine = [k for k, one in enumerate(columns["controller"]) if one == name]
         jobs = next(one for m, one in score.spreads.items() if m.column == "jobs_done")
         assert jobs.mean == pytest.approx(np.mean([columns["jobs_done"][k] for k in mine]))
         margins = {k: columns["least_margin_moving.value"][k] for k in mine}
-        known = {k: value for k, value in margins.items() if value is not None}
-        if known:
-            assert known[score.worst_row] == min(known.values()) == score.least_margin
-    assert found["parked"].spreads[next(iter(found["parked"].spreads))] is not None
-    assert found["mine:fast"].least_margin < 0
+        finite = {k: value for k, value in margins.items() if value is not None}
+        if finite:
+            assert finite[score.worst_row] == min(finite.values()) == score.least_margin
+    assert by_controller["parked"].spreads[next(iter(by_controller["parked"].spreads))] is not None
+    assert by_controller["mine:fast"].least_margin < 0
 
 
 def test_only_controllers_that_behave_differently_have_a_difference(results):
-    found = paired_tests(results)
-    jobs = {(t.one, t.other): t for t in found if t.measure.column == "jobs_done"}
+    tests = paired_tests(results)
+    jobs = {(t.one, t.other): t for t in tests if t.measure.column == "jobs_done"}
     assert jobs["mine:fast", "parked"].difference >= jobs["mine:fast", "parked"].low > 0
     assert jobs["mine:fast", "parked"].count == 6
     assert 2 / 2**6 <= jobs["mine:fast", "parked"].p < 0.5
@@ -104,8 +104,8 @@ def test_wrong_controllers_are_rejected(tmp_path, controllers, message):
 
 def test_the_command_prints_the_scores(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    given = ["--controller", "oblivious", "--repeat", "1", "--jobs", "1"]
-    outcome = CliRunner().invoke(app, ["study", "scoreboard", *given])
+    options = ["--controller", "oblivious", "--repeat", "1", "--jobs", "1"]
+    outcome = CliRunner().invoke(app, ["study", "scoreboard", *options])
     assert outcome.exit_code == 0
     assert "oblivious" in outcome.output
     assert "scoreboard.html" in outcome.output

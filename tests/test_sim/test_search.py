@@ -68,7 +68,7 @@ seed: 4
 """
 
 SEARCHED = {"sampler": "tpe", "evaluations": 12, "batch": 4, "cases": 2}
-"""The search of the study that several tests look at."""
+"""Options of the search that several tests use."""
 
 
 def written(folder, trial, study):
@@ -98,14 +98,14 @@ def short(tmp_path):
 def searched(tmp_path_factory):
     """Results of the search on one process, in the folder `out` beside the study."""
     folder = written(tmp_path_factory.mktemp("searched"), CELL, STUDY)
-    return found(sim.Study.load(folder / "worst.study.yaml"), folder / "out", **SEARCHED)
+    return results_of(sim.Study.load(folder / "worst.study.yaml"), folder / "out", **SEARCHED)
 
 
 USUAL = {"minimise": "least_margin_moving", "sampler": "random", "cases": 0, "batch": 4}
 
 
-def found(study, out, *, jobs=1, evaluations=8, **given):
-    return sim.search(study, out, jobs=jobs, evaluations=evaluations, **(USUAL | given))
+def results_of(study, out, *, jobs=1, evaluations=8, **options):
+    return sim.search(study, out, jobs=jobs, evaluations=evaluations, **(USUAL | options))
 
 
 def controlled(study, name):
@@ -181,11 +181,11 @@ def test_a_search_that_was_stopped_and_resumed_on_two_processes_is_the_same(sear
         if now.done == 8:
             raise KeyboardInterrupt
 
-    part = found(study, cell / "part", progress=stop, **SEARCHED)
+    part = results_of(study, cell / "part", progress=stop, **SEARCHED)
     assert part.interrupted
     assert done == [4, 8]
     assert part.evaluations == searched.evaluations[:8]
-    rest = found(study, cell / "part", jobs=2, **SEARCHED)
+    rest = results_of(study, cell / "part", jobs=2, **SEARCHED)
     assert not rest.interrupted
     assert_same(rest, searched)
 
@@ -193,21 +193,23 @@ def test_a_search_that_was_stopped_and_resumed_on_two_processes_is_the_same(sear
 @pytest.mark.slow
 @pytest.mark.parametrize(("backend", "jobs"), [("loky", 2), ("dask", 1), ("dask", 2)])
 def test_a_search_is_the_same_on_any_number_of_processes(searched, study, cell, backend, jobs):
-    assert_same(found(study, cell / "other", jobs=jobs, backend=backend, **SEARCHED), searched)
+    assert_same(results_of(study, cell / "other", jobs=jobs, backend=backend, **SEARCHED), searched)
 
 
 def test_a_search_can_be_extended_but_not_changed(searched, study, cell):
     keys = {**SEARCHED, "cases": 0}
-    found(study, cell / "out", **{**keys, "evaluations": 6})
-    longer = found(study, cell / "out", **{**keys, "evaluations": 10})
+    results_of(study, cell / "out", **{**keys, "evaluations": 6})
+    longer = results_of(study, cell / "out", **{**keys, "evaluations": 10})
     assert longer.evaluations == searched.evaluations[:10]
     with pytest.raises(OSError, match=r"another study .changed since: the search"):
-        found(study, cell / "out", **{**keys, "batch": 3})
+        results_of(study, cell / "out", **{**keys, "batch": 3})
 
 
 @pytest.mark.slow
 def test_tpe_finds_less_than_random_trials(study, cell):
-    both = [found(study, cell / name, sampler=name, evaluations=64) for name in ("random", "tpe")]
+    both = [
+        results_of(study, cell / name, sampler=name, evaluations=64) for name in ("random", "tpe")
+    ]
     chosen = [one.value for one in both[1].evaluations if not one.is_random]
     drawn = [one.value for one in both[0].evaluations if one.value is not None]
     assert sorted(chosen)[len(chosen) // 2] < sorted(drawn)[len(drawn) // 2]
@@ -234,7 +236,7 @@ def test_the_table_has_the_values_and_results_of_evaluations(searched):
 
 
 def test_the_slack_of_an_expectation_is_an_objective(study, cell):
-    results = found(study, cell / "out", slack="jobs_done", minimise="", evaluations=4)
+    results = results_of(study, cell / "out", slack="jobs_done", minimise="", evaluations=4)
     for line, one in zip(lines(cell / "out"), results.evaluations, strict=True):
         assert float(line["value"]) == one.value == int(line["jobs_done"]) - 3
 
@@ -370,7 +372,7 @@ def test_an_expectation_over_time_is_an_objective(short, tmp_path):
     timeline = [{"eventually": "human_started"}, {"never": "goal", "after": 1}]
     changed = replace(short, trials=(replace(short.trials[0], expect={"timeline": timeline}),))
     wanted = {"minimise": "", "slack": "timeline.1", "evaluations": 4, "cases": 1}
-    results = found(changed, tmp_path / "out", **wanted)
+    results = results_of(changed, tmp_path / "out", **wanted)
     assert results.broken
     assert sim.Trial.load(results.cases[0].path).expect == {"timeline": [timeline[1]]}
 
@@ -397,7 +399,7 @@ def test_the_bound_holds_as_often_as_stated():
 
 
 def test_a_search_in_which_nothing_breaks_states_an_upper_bound(short, tmp_path):
-    results = found(short, tmp_path / "out", below=-100.0, sampler="tpe", evaluations=20)
+    results = results_of(short, tmp_path / "out", below=-100.0, sampler="tpe", evaluations=20)
     assert not results.broken
     assert results.rate == (0, 11, upper_bound(0, 11))
     assert results.worth == (
@@ -413,7 +415,9 @@ def test_points_that_make_no_trial_are_listed_and_the_search_continues(tmp_path)
     trial = SHORT.replace("{name: operator}", "{name: operator, at: [-5.0, 3.75]}")
     at = "people.operator.at: {uniform: [[-15.0, -10.0], [-5.0, 3.75]]}"
     written(tmp_path, trial, SHORT_STUDY.replace("seed:", f"  {at}\nseed:"))
-    results = found(sim.Study.load(tmp_path / "worst.study.yaml"), tmp_path / "out", evaluations=12)
+    results = results_of(
+        sim.Study.load(tmp_path / "worst.study.yaml"), tmp_path / "out", evaluations=12
+    )
     none = results.no_trial
     assert 0 < len(none) < len(results) == 12
     assert any(f"{len(none)} of 12 points make no trial" in notice for notice in results.notices)
@@ -422,7 +426,7 @@ def test_points_that_make_no_trial_are_listed_and_the_search_continues(tmp_path)
 
 
 def test_an_objective_that_never_changes_is_reported(short, tmp_path):
-    results = found(short, tmp_path / "out", minimise="agv_teleports")
+    results = results_of(short, tmp_path / "out", minimise="agv_teleports")
     assert results.notices == ("agv_teleports is 0 in all 8 runs: nothing guides the search",)
 
 
@@ -430,12 +434,12 @@ def test_an_objective_that_no_run_has_ends_the_search_after_the_first_batch(tmp_
     written(tmp_path, SHORT.replace("oblivious", "parked"), SHORT_STUDY)
     parked = sim.Study.load(tmp_path / "worst.study.yaml")
     with pytest.raises(ValueError, match="no run of the first batch has a number for least_margin"):
-        found(parked, tmp_path / "out")
+        results_of(parked, tmp_path / "out")
     assert len(lines(tmp_path / "out")) == 4
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("arguments", "message"),
     [
         ({"minimise": "leest_margin"}, "no figure 'leest_margin'; .*least_margin"),
         ({"minimise": "leest"}, r"no figure 'leest'; there are: [a-z_, ]+\Z"),
@@ -452,9 +456,9 @@ def test_an_objective_that_no_run_has_ends_the_search_after_the_first_batch(tmp_
         ({"sampler": "mine:Sampler"}, "mine:Sampler"),
     ],
 )
-def test_a_wrong_argument_gives_one_message(study, cell, given, message):
+def test_a_wrong_argument_gives_one_message(study, cell, arguments, message):
     with pytest.raises(ValueError, match=message):
-        found(study, cell / "out", **given)
+        results_of(study, cell / "out", **arguments)
 
 
 def sampler(ask, tell=lambda points, values: None):
@@ -478,11 +482,11 @@ def low(self, count):
 
 
 def test_a_custom_sampler_proposes_points_and_receives_values(short, tmp_path):
-    told = []
-    custom = sampler(low, lambda points, values: told.append((len(points), values)))
-    results = found(short, tmp_path / "out", sampler=custom, evaluations=12)
-    assert [count for count, _ in told] == [4, 4, 4]
-    assert told[2][1] == [one.value for one in results.evaluations[8:]]
+    received = []
+    custom = sampler(low, lambda points, values: received.append((len(points), values)))
+    results = results_of(short, tmp_path / "out", sampler=custom, evaluations=12)
+    assert [count for count, _ in received] == [4, 4, 4]
+    assert received[2][1] == [one.value for one in results.evaluations[8:]]
     assert {one.values["start_time"] for one in results.evaluations if not one.is_random} == {0.0}
 
 
@@ -497,7 +501,7 @@ def test_a_custom_sampler_is_named_in_a_file(short, tmp_path):
         "    def tell(self, points, values):\n"
         "        pass\n"
     )
-    results = found(short, tmp_path / "out", sampler="mine:Lowest", evaluations=12)
+    results = results_of(short, tmp_path / "out", sampler="mine:Lowest", evaluations=12)
     assert results.sampler == "mine:Lowest"
     assert {one.values["start_time"] for one in results.evaluations if not one.is_random} == {0.0}
 
@@ -525,22 +529,22 @@ def test_a_custom_sampler_is_named_in_a_file(short, tmp_path):
 )
 def test_a_sampler_that_returns_nonsense_is_rejected(short, tmp_path, ask, message):
     with pytest.raises(ValueError, match=message):
-        found(short, tmp_path / "out", sampler=sampler(ask), evaluations=12)
+        results_of(short, tmp_path / "out", sampler=sampler(ask), evaluations=12)
 
 
 def test_a_sampler_that_is_no_class_with_its_methods_is_rejected(short, tmp_path):
     with pytest.raises(ValueError, match="has no method ask"):
-        found(short, tmp_path / "out", sampler=lambda dimensions, seed: object())
+        results_of(short, tmp_path / "out", sampler=lambda dimensions, seed: object())
 
 
 def test_a_search_with_a_changed_custom_sampler_is_not_resumed(short, tmp_path):
-    found(short, tmp_path / "out", sampler=sampler(low), evaluations=10)
+    results_of(short, tmp_path / "out", sampler=sampler(low), evaluations=10)
 
     def high(self, count):
         return [{d.name: d.values[0] if d.values else d.high for d in self.dimensions}] * count
 
     with pytest.raises(ValueError, match=r"can't be resumed: .* asks for start_time 2"):
-        found(short, tmp_path / "out", sampler=sampler(high), evaluations=12)
+        results_of(short, tmp_path / "out", sampler=sampler(high), evaluations=12)
 
 
 def test_an_error_of_a_controller_is_minimised(tmp_path):
@@ -554,7 +558,7 @@ def test_an_error_of_a_controller_is_minimised(tmp_path):
     trial = SHORT.replace("oblivious", "broken:broken\n  at: [-7.0, 0.0, 0.0]")
     at = "gantry_at: {uniform: [[-14.0, -4.0, 0.0], [-2.5, 4.0, 0.0]]}"
     written(tmp_path, trial, SHORT_STUDY.replace("seed:", f"  {at}\nseed:"))
-    results = found(sim.Study.load(tmp_path / "worst.study.yaml"), tmp_path / "out", cases=3)
+    results = results_of(sim.Study.load(tmp_path / "worst.study.yaml"), tmp_path / "out", cases=3)
     errors = [one for one in results.evaluations if one.result == "error"]
     assert 0 < len(errors) < 8
     assert "RuntimeError: east" in errors[0].situation.error

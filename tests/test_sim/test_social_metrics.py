@@ -39,11 +39,11 @@ def test_social_metrics_include_all_people(run, figures):
 
 def test_social_metrics_agree_with_the_summary(run, figures):
     for name, person in run.summary["people"].items():
-        found = figures["people"][name]
-        assert found["path_length"] == pytest.approx(person["distance_walked"], abs=1e-6)
-        assert found["time"] == pytest.approx(run.duration - person["started"], abs=1e-9)
+        metrics = figures["people"][name]
+        assert metrics["path_length"] == pytest.approx(person["distance_walked"], abs=1e-6)
+        assert metrics["time"] == pytest.approx(run.duration - person["started"], abs=1e-9)
         nearest = person["minimum_separation"]["distance"]
-        assert found["distance_to"]["gantry"]["minimum"] == pytest.approx(nearest, abs=1e-6)
+        assert metrics["distance_to"]["gantry"]["minimum"] == pytest.approx(nearest, abs=1e-6)
 
 
 def test_social_metrics_agree_with_the_trajectory(run, figures):
@@ -55,22 +55,22 @@ def test_social_metrics_agree_with_the_trajectory(run, figures):
     }
     apart["ben"][t < 20.0] = np.inf
     nearest = np.minimum(apart["ada"], apart["ben"])
-    found = figures["machines"]["gantry"]["distance_to_people"]
-    assert found["average"] == pytest.approx(nearest.mean(), abs=1e-2)
-    assert found["minimum"] == pytest.approx(nearest.min(), abs=1e-2)
+    distances = figures["machines"]["gantry"]["distance_to_people"]
+    assert distances["average"] == pytest.approx(nearest.mean(), abs=1e-2)
+    assert distances["minimum"] == pytest.approx(nearest.min(), abs=1e-2)
     social = ((nearest >= 1.2) & (nearest < 3.6)).mean()
-    assert found["social_space_intrusions"] == pytest.approx(100 * social, abs=0.1)
+    assert distances["social_space_intrusions"] == pytest.approx(100 * social, abs=0.1)
     speed = np.hypot(*samples["gantry"][:, 3:].T)
     assert figures["machines"]["gantry"]["maximum_speed"] == pytest.approx(speed.max(), abs=1e-3)
 
 
 def test_a_goal_counts_as_reached_only_if_the_person_got_there(run, figures):
     for name in ("ada", "ben"):
-        found = figures["people"][name]
+        metrics = figures["people"][name]
         kinds = [e["kind"] for e in run.events if e.get("person") == name]
-        assert found["goals"] == kinds.count("goal")
-        assert found["goals_reached"] == kinds.count("arrived") > 0
-        assert 1.0 < found["time_to_goal"] < 60.0
+        assert metrics["goals"] == kinds.count("goal")
+        assert metrics["goals_reached"] == kinds.count("arrived") > 0
+        assert 1.0 < metrics["time_to_goal"] < 60.0
 
 
 def test_a_person_who_never_starts_has_social_metrics():
@@ -165,8 +165,8 @@ def test_social_work_is_the_integral_of_the_forces(run, figures):
     for name in ("gantry", "ada"):
         others = [other for other in people if other != name]
         sums = abs(sum(force(name, o) for o in others)) + sum(abs(force(o, name)) for o in others)
-        found = figures["machines" if name == "gantry" else "people"][name]["social_work"]
-        assert found == pytest.approx(float(sums.sum()) * 0.002, rel=5e-3) and found > 0
+        work = figures["machines" if name == "gantry" else "people"][name]["social_work"]
+        assert work == pytest.approx(float(sums.sum()) * 0.002, rel=5e-3) and work > 0
 
 
 def test_social_work_of_two_standing_people_is_isotropic(run):
@@ -175,9 +175,9 @@ def test_social_work_of_two_standing_people_is_isotropic(run):
         ben = standing((0.7 * np.cos(angle), 0.7 * np.sin(angle)))
         motions = {"ada": standing((0.0, 0.0)), "ben": ben}
         stood = replace(run, duration=10.0, motions=motions, events=started)
-        found = sim.metrics(stood)["people"]["ada"]["social_work"]
+        work = sim.metrics(stood)["people"]["ada"]["social_work"]
         # Neither has a side to turn to, so the forces only slow them down.
-        assert found == pytest.approx(2 * 2.1 * np.exp(-0.7 / 0.35) * 10.0)
+        assert work == pytest.approx(2 * 2.1 * np.exp(-0.7 / 0.35) * 10.0)
 
 
 def test_others_keep_a_distance_from_the_centre_of_a_group():
@@ -187,11 +187,11 @@ def test_others_keep_a_distance_from_the_centre_of_a_group():
     t = np.arange(0.0, 20.0, 0.005)
     middle = np.mean([run.motions[f"crew{k}"].position(t) for k in (1, 2, 3)], axis=0)
     away = np.hypot(*(run.motions["ada"].position(t) - middle).T)
-    found = figures["people"]["ada"]["distance_to_groups"]["crew1"]
-    assert found["minimum"] == pytest.approx(away.min(), abs=1e-2)
-    assert found["average"] == pytest.approx(away.mean(), abs=1e-2)
+    distances = figures["people"]["ada"]["distance_to_groups"]["crew1"]
+    assert distances["minimum"] == pytest.approx(away.min(), abs=1e-2)
+    assert distances["average"] == pytest.approx(away.mean(), abs=1e-2)
     near = 100 * ((away >= 1.2) & (away < 3.6)).mean()
-    assert found["social_space_intrusions"] == pytest.approx(near, abs=0.2)
+    assert distances["social_space_intrusions"] == pytest.approx(near, abs=0.2)
     assert all("distance_to_groups" not in figures["people"][f"crew{k}"] for k in (1, 2, 3))
     wanted = {"metrics.people.ada.distance_to_groups.crew1.minimum": f"< {away.min() + 0.01}"}
     assert replace(run, trial=replace(trial, expect=wanted)).unmet == []

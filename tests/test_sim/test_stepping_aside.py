@@ -53,7 +53,7 @@ def test_a_person_steps_aside_each_time_the_vehicle_comes():
     assert run.summary["contacts"] == 0
 
 
-def test_a_person_who_steps_aside_for_no_other_person_does_so_for_a_vehicle():
+def test_a_person_who_never_steps_aside_for_people_does_so_for_a_vehicle():
     person = {"name": "p", "at": [7.0, 5.0], "manners": {"steps_aside": False}, **RESTS}
     run = run_in_hall([person], {"v": vehicle([2, 5, 0], (14, 5))})
     assert run.summary["contacts"] == 0

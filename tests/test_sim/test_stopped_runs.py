@@ -19,8 +19,8 @@ def test_a_recording_on_a_full_disk_stays_whole(tmp_path, floorwalker, room_for,
     with room_for(room):
         done = floorwalker(*command, "--duration", "60", "--out", "out", cwd=tmp_path)
     assert done.returncode == 1
-    *notices, said = done.stderr.splitlines()
-    assert said.startswith("floorwalker: cannot continue writing to out: ")
+    *notices, message = done.stderr.splitlines()
+    assert message.startswith("floorwalker: cannot continue writing to out: ")
     assert all(notice.startswith(("serving", "the trial begins")) for notice in notices)
     assert len(notices) == (0 if command == ["run"] else 2)
     out = tmp_path / "out"
@@ -39,9 +39,9 @@ def test_a_terminated_run_is_recorded_completely(tmp_path, command):
     events = tmp_path / "out" / "events.jsonl"
     until(lambda: events.exists() and events.stat().st_size > 100, process)
     process.send_signal(signal.SIGTERM)
-    _, said = process.communicate(timeout=HANG)
+    _, message = process.communicate(timeout=HANG)
     assert process.returncode == 130
-    assert "The recording up to then is kept" in said and "Traceback" not in said
+    assert "The recording up to then is kept" in message and "Traceback" not in message
     assert sim.load_run(tmp_path / "out").summary["interrupted"]
 
 

@@ -35,22 +35,24 @@ def run(rules="observe", people=STANDING, jobs=MOVES, controller="oblivious", **
     return sim.run(sim.Trial.parse(on_floor(FLOOR, text)))
 
 
-def times_of(found, machine="gantry", since=0.0):
+def times_of(finished, machine="gantry", since=0.0):
     """Return the times of a machine, whose sum is the time of the run after its warm-up."""
-    (one,) = (one for one in machine_times(after_warm_up(found, since)) if one.machine == machine)
+    (one,) = (
+        one for one in machine_times(after_warm_up(finished, since)) if one.machine == machine
+    )
     whole = one.moving + sum(one.stopped.values())
-    assert whole == pytest.approx(found.duration - since, abs=1e-6)
+    assert whole == pytest.approx(finished.duration - since, abs=1e-6)
     assert sum(seconds for _, seconds in one.whom.values()) <= whole + 1e-6
     return one
 
 
 def test_a_waiting_gantry_names_the_person():
-    found = run(controller="pausing")
-    yielded = events(found, "gantry_yielded")
+    finished = run(controller="pausing")
+    yielded = events(finished, "gantry_yielded")
     assert {event["person"] for event in yielded} == {"eve"}
     assert all(event["distance"] > event["required"] for event in yielded)
-    times = times_of(found)
-    motion, t = found.motions["gantry"], np.linspace(0, 30, 3001)
+    times = times_of(finished)
+    motion, t = finished.motions["gantry"], np.linspace(0, 30, 3001)
     stood = np.mean(np.hypot(*motion.velocity(t).T) == 0.0) * 30
     assert times.stopped == {"people": pytest.approx(stood, abs=0.05)}
     # The gantry may brake and resume before it stands.
@@ -64,11 +66,11 @@ def test_a_waiting_gantry_names_the_person():
 @pytest.mark.parametrize("seed", range(3))
 def test_a_gantry_without_other_reasons_only_waits_for_people(controller, seed):
     jobs = "[{move: [15, 6, 0]}, {move: [5, 6, 0]}]"
-    found = run(people=WALKING, jobs=jobs, controller=controller, seed=seed)
-    times = times_of(found)
+    finished = run(people=WALKING, jobs=jobs, controller=controller, seed=seed)
+    times = times_of(finished)
     assert {*times.stopped} <= {"people", "nothing to do"}
-    assert times.stopped.get("people", 0.0) <= found.summary["gantry_idle_time"] + 1e-6
-    done = [event["t"] for event in events(found, "job_done")]
+    assert times.stopped.get("people", 0.0) <= finished.summary["gantry_idle_time"] + 1e-6
+    done = [event["t"] for event in events(finished, "job_done")]
     assert times.jobs_done == len(done)
     if len(done) == 2:
         assert times.stopped["nothing to do"] == pytest.approx(30 - done[1], abs=1e-6)
@@ -91,27 +93,30 @@ def test_waiting_in_a_job_differs_from_having_no_job():
     ],
 )
 def test_stops_by_the_rules_have_their_cause(rules, cause, figure):
-    found = run(rules)
-    times = times_of(found)
+    finished = run(rules)
+    times = times_of(finished)
     braking = 30 - times.moving - sum(times.stopped.values())
     assert braking == pytest.approx(0.0, abs=1e-6)
     # While the gantry brakes it moves, and is disabled or stopped already.
-    assert 0 < times.stopped[cause] <= found.summary[figure]
-    assert times.stopped[cause] > found.summary[figure] - 3.0 * len(events(found, "violation"))
+    assert 0 < times.stopped[cause] <= finished.summary[figure]
+    assert times.stopped[cause] > finished.summary[figure] - 3.0 * len(
+        events(finished, "violation")
+    )
     assert {key for key in times.whom if key[0] == cause} == {(cause, "eve")}
 
 
 def test_agvs_yield_are_held_and_arrive():
     moves = "{cart: {yield: true, moves: [{time: 0, to: east}]}}"
     hold = "[{time: 2, hold: cart}, {time: 12, release: cart}]"
-    found = run(people="[{name: eve, personality: external, at: [11, 4]}]", agvs=moves)
-    times = times_of(found, "cart")
-    (yielded,) = events(found, "agv_yielded")
+    finished = run(people="[{name: eve, personality: external, at: [11, 4]}]", agvs=moves)
+    times = times_of(finished, "cart")
+    (yielded,) = events(finished, "agv_yielded")
     assert times.whom == {("people", "eve"): (1, times.stopped["people"])}
     assert times.stopped["people"] < 30 - yielded["t"] and not times.had_jobs
-    held = times_of(run(people="[]", agvs=moves, commands=hold), "cart")
-    assert held.stopped["hold"] == pytest.approx(10 - 2.0, abs=0.01)  # it brakes from 1 m/s
-    assert {*held.stopped} == {"hold"} or held.stopped["nothing to do"] > 0
+    stopped = times_of(run(people="[]", agvs=moves, commands=hold), "cart")
+    # the vehicle brakes from 1 m/s
+    assert stopped.stopped["hold"] == pytest.approx(10 - 2.0, abs=0.01)
+    assert {*stopped.stopped} == {"hold"} or stopped.stopped["nothing to do"] > 0
 
 
 def test_times_of_several_runs_are_added():
@@ -124,39 +129,41 @@ def test_times_of_several_runs_are_added():
 
 
 def test_stops_in_the_warm_up_are_omitted():
-    found = run(people="[{name: eve, at: [5, 5]}, {name: ada, at: [17, 6]}]")
-    spans = sorted(span for some in found.violations.values() for span in some)
+    finished = run(people="[{name: eve, at: [5, 5]}, {name: ada, at: [17, 6]}]")
+    spans = sorted(span for some in finished.violations.values() for span in some)
     assert spans[0][0] == 0.0 and len(spans) > 1
     since = (spans[0][1] + spans[1][0]) / 2 if spans[0][1] < spans[1][0] else spans[0][1]
-    later = after_warm_up(found, since)
-    kept = [one.begin for one in incidents(found) if one.end > since]
-    assert [one.begin for one in incidents(later)] == [max(begin, since) for begin in kept]
-    assert len(kept) < len(spans)
+    later = after_warm_up(finished, since)
+    begins = [one.begin for one in incidents(finished) if one.end > since]
+    assert [one.begin for one in incidents(later)] == [max(begin, since) for begin in begins]
+    assert len(begins) < len(spans)
     assert time_on_floor(later) == pytest.approx(2 * (30 - since))
-    assert time_too_close(later) < time_too_close(found)
-    assert after_warm_up(found, 0.0) is found
+    assert time_too_close(later) < time_too_close(finished)
+    assert after_warm_up(finished, 0.0) is finished
 
 
 def test_a_violation_that_lasts_beyond_the_warm_up_counts_from_its_end():
-    found = run()
-    (begin, end), *_ = found.violations["eve", "gantry"]
+    finished = run()
+    (begin, end), *_ = finished.violations["eve", "gantry"]
     since = (begin + end) / 2
-    first = incidents(after_warm_up(found, since))[0]
+    first = incidents(after_warm_up(finished, since))[0]
     assert (first.begin, first.end) == (since, end)
-    assert first.distance == pytest.approx(float(found.distance("eve", "gantry", since)))
+    assert first.distance == pytest.approx(float(finished.distance("eve", "gantry", since)))
     assert (first.required, first.cause) == (3.0, "")
-    assert first.margin == pytest.approx(min(one.margin for one in incidents(found)[:1]), abs=2.0)
+    assert first.margin == pytest.approx(
+        min(one.margin for one in incidents(finished)[:1]), abs=2.0
+    )
 
 
 def test_contacts_and_zones_of_a_whole_run_equal_its_summary():
-    found = run(people="[{name: eve, at: [5, 5]}, {name: ada, at: [10, 2.9]}]", seed=2)
-    assert contacts_of(found) == found.summary["contacts"]
-    mine, theirs = zones_of(found), found.summary["zones"]
+    finished = run(people="[{name: eve, at: [5, 5]}, {name: ada, at: [10, 2.9]}]", seed=2)
+    assert contacts_of(finished) == finished.summary["contacts"]
+    mine, theirs = zones_of(finished), finished.summary["zones"]
     assert mine.keys() == theirs.keys()
     for zone, figures in mine.items():
         assert figures == pytest.approx(theirs[zone], abs=1e-6)
     assert (
-        zones_of(after_warm_up(found, 15.0))["middle"]["time_occupied"]
+        zones_of(after_warm_up(finished, 15.0))["middle"]["time_occupied"]
         <= (mine["middle"]["time_occupied"])
     )
 
@@ -175,11 +182,13 @@ machines:
     moves: [{time: 1, to: 9}]
   b: {<<: *tug, origin: [5.5, 6], heading: 0}
 """
-    found = sim.run(sim.Trial.parse(text))
-    assert found.summary["waiting_time"] > 0
-    seconds = {name: times_of(found, name).stopped.get("traffic", 0.0) for name in "ab"}
+    finished = sim.run(sim.Trial.parse(text))
+    assert finished.summary["waiting_time"] > 0
+    seconds = {name: times_of(finished, name).stopped.get("traffic", 0.0) for name in "ab"}
     # A vehicle that has to wait brakes at first, which counts as moving.
-    assert 0 < sum(seconds.values()) <= found.summary["waiting_time"]
-    waits = {(e["machine"], e["for_machine"]) for e in events(found, "machine_waiting")}
-    whom = {(n, who) for n in "ab" for cause, who in times_of(found, n).whom if cause == "traffic"}
+    assert 0 < sum(seconds.values()) <= finished.summary["waiting_time"]
+    waits = {(e["machine"], e["for_machine"]) for e in events(finished, "machine_waiting")}
+    whom = {
+        (n, who) for n in "ab" for cause, who in times_of(finished, n).whom if cause == "traffic"
+    }
     assert whom and whom <= waits

@@ -226,10 +226,12 @@ def test_a_stopped_study_explains_how_to_continue(folder, stop, sent, backend):
 
 def test_a_finished_study_runs_no_row_again(study, tmp_path):
     sim.run_study(study, tmp_path, jobs=1)
-    table, told = tmp_path / "results.csv", []
+    table, reported = tmp_path / "results.csv", []
     before = (table.read_bytes(), table.stat().st_mtime_ns)
-    results = sim.run_study(study, tmp_path, jobs=1, begin=told.append, progress=told.append)
-    assert (told, len(results)) == ([16], 16)
+    results = sim.run_study(
+        study, tmp_path, jobs=1, begin=reported.append, progress=reported.append
+    )
+    assert (reported, len(results)) == ([16], 16)
     assert (table.read_bytes(), table.stat().st_mtime_ns) == before
 
 
@@ -260,7 +262,7 @@ def test_a_changed_table_is_restored_from_its_rows(study, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("file", "change", "told"),
+    ("file", "change", "words"),
     [
         ("s.study.yaml", ("seed: 11", "seed: 12"), "the study"),
         ("s.study.yaml", ("0.2]", "0.3]"), "the study"),
@@ -268,13 +270,13 @@ def test_a_changed_table_is_restored_from_its_rows(study, tmp_path):
         ("moody.py", ("1.0", "1.5"), "the controller moody:moody"),
     ],
 )
-def test_the_folder_of_another_study_is_rejected(study, folder, file, change, told):
+def test_the_folder_of_another_study_is_rejected(study, folder, file, change, words):
     with StudyFolder(folder / "out", study):
         pass
     text = (folder / file).read_text()
     (folder / file).write_text(text.replace(*change))
     other = sim.Study.load(folder / "s.study.yaml")
-    with pytest.raises(sim.OutputError, match=rf"another study \(changed since: {told}\)"):
+    with pytest.raises(sim.OutputError, match=rf"another study \(changed since: {words}\)"):
         sim.run_study(other, folder / "out", jobs=1)
     (folder / file).write_text(text)
     with StudyFolder(folder / "out", sim.Study.load(folder / "s.study.yaml")):
@@ -447,7 +449,7 @@ def test_a_failure_of_a_program_names_row_action_and_reason(tmp_path, floorwalke
     (tmp_path / "far.study.yaml").write_text("trials: [far.trial.yaml]\nrepeat: 2\n")
     done = floorwalker("study", "far.study.yaml", "--jobs", 2, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    said = [line for line in done.stderr.splitlines() if "an intention ended" in line]
-    assert sorted(line.partition(":")[0] for line in said) == ["row 0", "row 1"]
-    for line in said:
+    notices = [line for line in done.stderr.splitlines() if "an intention ended" in line]
+    assert sorted(line.partition(":")[0] for line in notices) == ["row 0", "row 1"]
+    for line in notices:
         assert "failed at far.asl:1 in move(9.5,3,0): action_failed; no way, however narrow" in line

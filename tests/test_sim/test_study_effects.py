@@ -19,9 +19,9 @@ some_figures = st.lists(st.integers(-3, 3), min_size=1, max_size=25).map(
 def test_delta_equals_a_count_of_all_pairs(one, random):
     other = np.array([random.randint(-3, 3) for _ in one], float)
     counted = np.sign(one[:, None] - other).mean()
-    found = cliffs_delta(one, other)
-    assert found.delta == pytest.approx(counted, abs=1e-12)
-    assert -1 <= found.low <= found.high <= 1
+    effect = cliffs_delta(one, other)
+    assert effect.delta == pytest.approx(counted, abs=1e-12)
+    assert -1 <= effect.low <= effect.high <= 1
     assert cliffs_delta(other, one).delta == pytest.approx(-counted, abs=1e-12)
 
 
@@ -29,17 +29,17 @@ def test_intervals_contain_the_true_delta_as_often_as_stated():
     """For normal values with shared draws, delta is 2 Φ(d / √2) - 1 with d the means' distance."""
     rng = np.random.default_rng(2)
     true = math.erf(0.5 / 2)
-    held, widths = 0, []
+    count, widths = 0, []
     for k in range(100):
         shared = rng.normal(size=50)
         one, other = math.sqrt(0.5) * (shared + rng.normal(size=(2, 50)))
-        found = cliffs_delta(one + 0.5, other)
-        held += found.low <= true <= found.high
+        effect = cliffs_delta(one + 0.5, other)
+        count += effect.low <= true <= effect.high
         if k >= 20:
             continue
         alone = cliffs_delta(one + 0.5, rng.permutation(other))
-        widths.append((found.high - found.low) / (alone.high - alone.low))
-    assert 0.89 <= held / 100 <= 0.99
+        widths.append((effect.high - effect.low) / (alone.high - alone.low))
+    assert 0.89 <= count / 100 <= 0.99
     # shared draws give narrower intervals than the same number of separate ones
     assert np.median(widths) < 0.85
 
@@ -54,20 +54,20 @@ def test_combinations_that_differ_in_one_factor_are_compared():
         "jobs_done": [None if a == "z" else k for k, (a, _) in enumerate(rows)],
         "score": [1] * len(rows),
     }
-    found = list(contrasts(compare(columns, ["first", "second"])))
-    pairs = [(c.one.label, c.other.label) for c in found]
+    compared = list(contrasts(compare(columns, ["first", "second"])))
+    pairs = [(c.one.label, c.other.label) for c in compared]
     assert pairs[:2] == [("x · p", "y · p"), ("x · p", "z · p")]
     assert len(pairs) == 2 * 3 + 3 * 1
-    effects = {measure.column: effect for measure, effect in found[0].effects.items()}
+    effects = {measure.column: effect for measure, effect in compared[0].effects.items()}
     assert effects.keys() == {"penalties", "jobs_done"}
     assert effects["penalties"].delta == effects["penalties"].low == 1.0
-    assert [effect is None for effect in found[1].effects.values()] == [False, True]
+    assert [effect is None for effect in compared[1].effects.values()] == [False, True]
 
 
 def test_other_figures_are_compared_if_no_main_figure_differs():
     columns = {"row": [0, 1], "speed": ["1", "2"], "penalties": [0, 0], "agv_violations": [4, 3]}
-    (found,) = contrasts(compare(columns, ["speed"]))
-    assert {measure.column: effect.delta for measure, effect in found.effects.items()} == {
+    (contrast,) = contrasts(compare(columns, ["speed"]))
+    assert {measure.column: effect.delta for measure, effect in contrast.effects.items()} == {
         "agv_violations": 1.0
     }
 
@@ -86,8 +86,8 @@ def test_the_interval_is_as_wide_as_in_theory(seed):
     one, other = np.random.default_rng(seed).normal([[0.3], [0.0]], size=(2, 300))
     signs = np.sign(one[:, None] - other)
     variance = (signs.mean(axis=1).var() + signs.mean(axis=0).var()) / 300
-    found = cliffs_delta(one, other)
-    assert found.high - found.low == pytest.approx(2 * 1.96 * math.sqrt(variance), rel=0.2)
+    effect = cliffs_delta(one, other)
+    assert effect.high - effect.low == pytest.approx(2 * 1.96 * math.sqrt(variance), rel=0.2)
 
 
 floats = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=30).map(np.array)
@@ -95,31 +95,31 @@ floats = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=30).map(np.array)
 
 @given(floats)
 def test_an_interval_contains_its_mean_and_stays_among_the_values(values):
-    found = spread(values)
+    interval = spread(values)
     slack = 1e-9 * (1 + np.abs(values).max())
-    assert found.mean == pytest.approx(statistics.fmean(values), abs=slack)
-    assert values.min() - slack <= found.low <= found.high <= values.max() + slack
-    assert found.least == values.min() and found.most == values.max()
-    assert found.median == pytest.approx(statistics.median(values), abs=slack)
+    assert interval.mean == pytest.approx(statistics.fmean(values), abs=slack)
+    assert values.min() - slack <= interval.low <= interval.high <= values.max() + slack
+    assert interval.least == values.min() and interval.most == values.max()
+    assert interval.median == pytest.approx(statistics.median(values), abs=slack)
 
 
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1))
 def test_intervals_are_as_wide_as_in_theory(seed):
     values = np.random.default_rng(seed).normal(5.0, 2.0, size=400)
-    found = spread(values)
+    interval = spread(values)
     half = 1.96 * values.std(ddof=1) / math.sqrt(len(values))
-    assert (found.high - found.low) / 2 == pytest.approx(half, rel=0.12)
-    assert (found.high + found.low) / 2 == pytest.approx(values.mean(), abs=0.1 * half)
+    assert (interval.high - interval.low) / 2 == pytest.approx(half, rel=0.12)
+    assert (interval.high + interval.low) / 2 == pytest.approx(values.mean(), abs=0.1 * half)
 
 
 def test_intervals_contain_the_true_mean_as_often_as_stated():
     rng = np.random.default_rng(1)
-    held = 0
+    count = 0
     for _ in range(300):
-        found = spread(rng.exponential(1.0, size=40))
-        held += found.low <= 1.0 <= found.high
-    assert 0.88 <= held / 300 <= 0.98
+        interval = spread(rng.exponential(1.0, size=40))
+        count += interval.low <= 1.0 <= interval.high
+    assert 0.88 <= count / 300 <= 0.98
 
 
 def test_missing_figures_are_omitted():
@@ -167,8 +167,8 @@ def test_figures_of_machines_that_a_trial_adds_are_compared():
         "machines.cart.kind": ["agv", "agv"],
         "machines.cart.runs": [1, 2],
     }
-    found = {measure.title: measure.chief for measure in compare(columns, []).spreads}
-    assert found == {"tug: full rounds": True, "cart: runs": False}
+    titles = {measure.title: measure.chief for measure in compare(columns, []).spreads}
+    assert titles == {"tug: full rounds": True, "cart: runs": False}
 
 
 def test_measures_are_separate_columns():

@@ -140,7 +140,7 @@ def times(trial):
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "figure", "found"),
+    ("name", "value", "figure", "expected"),
     [
         ("personality", "curious", personalities, ["curious", "curious"]),
         ("people.ben.personality", "curious", personalities, ["indifferent", "curious"]),
@@ -158,13 +158,13 @@ def times(trial):
         ("duration", 5, lambda trial: trial.duration, 5.0),
     ],
 )
-def test_values_of_a_trial_can_be_varied(folder, name, value, figure, found):
-    assert value == "given" or figure(BUSY) != found
-    assert figure(variable(name).put(BUSY, value, folder)) == found
+def test_values_of_a_trial_can_be_varied(folder, name, value, figure, expected):
+    assert value == "given" or figure(BUSY) != expected
+    assert figure(variable(name).put(BUSY, value, folder)) == expected
 
 
 @pytest.mark.parametrize(
-    ("name", "own", "value", "values", "figure", "found"),
+    ("name", "own", "value", "values", "figure", "expected"),
     [
         ("personality", "people.ben", "helpful", ("scared", "curious"), personalities, "helpful"),
         ("max_speed", "people.ben", 1.5, (0.5, 0.6), speeds, 1.5),
@@ -173,20 +173,20 @@ def test_values_of_a_trial_can_be_varied(folder, name, value, figure, found):
 @pytest.mark.parametrize("places", ["gg", "gr", "rg", "rr"])
 @pytest.mark.parametrize("own_first", [True, False])
 def test_a_value_of_one_person_takes_precedence_over_that_of_all(
-    name, own, value, values, figure, found, places, own_first
+    name, own, value, values, figure, expected, places, own_first
 ):
     own = f"{own}.{name}"
-    said = [(variable(own), values, places[0]), (variable(name), (value,), places[1])]
-    said = said if own_first else said[::-1]
+    entries = [(variable(own), values, places[0]), (variable(name), (value,), places[1])]
+    entries = entries if own_first else entries[::-1]
     study = sim.Study(
         "s",
         (BUSY,),
-        grid={what: given for what, given, place in said if place == "g"},
-        random={what: Choice(given) for what, given, place in said if place == "r"},
+        grid={what: choices for what, choices, place in entries if place == "g"},
+        random={what: Choice(choices) for what, choices, place in entries if place == "r"},
         repeat=3,
     )
     for row in study.rows():
-        assert figure(row.trial) == [found, row.parameters[own]]
+        assert figure(row.trial) == [expected, row.parameters[own]]
 
 
 def test_the_delay_of_one_agv_is_not_added_to_that_of_all():
@@ -275,26 +275,26 @@ def test_invalid_values_are_reported_with_their_place(folder, change, message):
 def test_all_problems_are_reported_at_once(folder):
     text = one_person(STUDY).replace("helpful", "helpfull").replace("[0, 30]", "[30, 0]")
     text = text.replace("0.8", "-0.8").replace("[ariac2023]", "[ariac2023, nothing.yaml]")
-    said = problems(text, folder)
-    assert [f"line {k}" in said for k in (1, 3, 4, 6)] == [True] * 4
+    reported = problems(text, folder)
+    assert [f"line {k}" in reported for k in (1, 3, 4, 6)] == [True] * 4
 
 
 def test_a_trial_with_a_fault_is_reported_with_its_own_lines(folder):
     (folder / "busy.trial.yaml").write_text(TRIAL.replace("bin1", "bin99"))
-    said = problems("trials: [busy.trial.yaml]\n", folder)
-    assert "busy.trial.yaml: line 9, gantry.jobs[0].pick: no obstacle" in said
+    reported = problems("trials: [busy.trial.yaml]\n", folder)
+    assert "busy.trial.yaml: line 9, gantry.jobs[0].pick: no obstacle" in reported
 
 
 def test_a_value_that_some_trials_cannot_have_is_reported_with_the_trial(folder):
-    said = problems("trials: [ariac2023, warehouse.yaml]\ngrid: {duration: [5]}\n", folder)
-    assert "no such file" in said
+    reported = problems("trials: [ariac2023, warehouse.yaml]\ngrid: {duration: [5]}\n", folder)
+    assert "no such file" in reported
     (folder / "aisles.trial.yaml").write_text("floorplan: warehouse\n")
-    said = problems("trials: [ariac2023, aisles.trial.yaml]\ngrid: {max_speed: [1]}\n", folder)
-    assert "the trial 'aisles' can't have it: there is nothing in 'people'" in said
+    reported = problems("trials: [ariac2023, aisles.trial.yaml]\ngrid: {max_speed: [1]}\n", folder)
+    assert "the trial 'aisles' can't have it: there is nothing in 'people'" in reported
     varied = "grid: {controller: [pausing], duration: [5, 1.0e+12]}"
-    said = problems(f"trials: [aisles.trial.yaml]\n{varied}\n", folder)
-    assert "line 2, grid.controller[0]: gantry: the floorplan has no gantry" in said
-    assert "line 2, grid.duration[1]: duration: must be at most 2,678,400 s" in said
+    reported = problems(f"trials: [aisles.trial.yaml]\n{varied}\n", folder)
+    assert "line 2, grid.controller[0]: gantry: the floorplan has no gantry" in reported
+    assert "line 2, grid.duration[1]: duration: must be at most 2,678,400 s" in reported
 
 
 def test_paths_of_files_are_relative_to_the_study(folder):

@@ -93,18 +93,18 @@ def test_figures_that_never_change_have_no_chart(results):
 
 def test_the_page_looks_right_on_a_phone(results, browser):
     page = browser.new_page(viewport={"width": 390, "height": 800})
-    said = []
-    page.on("console", lambda message: said.append(message.text))
-    page.on("pageerror", lambda error: said.append(str(error)))
+    messages = []
+    page.on("console", lambda message: messages.append(message.text))
+    page.on("pageerror", lambda error: messages.append(str(error)))
     page.goto((results.folder / "report.html").as_uri())
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     page.locator("summary").first.click()
     assert page.locator("details table").first.is_visible()
     page.close()
-    assert said == []
+    assert messages == []
 
 
-def test_nothing_is_cut_off_on_a_screen(results, browser):
+def test_tables_and_charts_fit_on_a_screen(results, browser):
     """No table is wider than the page, and no mark of a chart is clipped."""
     page = browser.new_page(viewport={"width": 1300, "height": 900})
     page.goto((results.folder / "report.html").as_uri())
@@ -125,5 +125,5 @@ def test_nothing_is_cut_off_on_a_screen(results, browser):
 
 
 def test_measures_are_columns_of_the_results(results):
-    known = {measure.column for measure in results.comparison.spreads}
-    assert {"penalties", "minimum_separation.distance", "jobs_done"} <= known
+    columns = {measure.column for measure in results.comparison.spreads}
+    assert {"penalties", "minimum_separation.distance", "jobs_done"} <= columns

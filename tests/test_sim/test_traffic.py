@@ -47,18 +47,20 @@ def amr(at, *missions, more=""):
     return f"kind: amr, at: {at}, missions: [{listed}]{more}"
 
 
-def require_arrivals(found, **counts):
+def require_arrivals(finished, **counts):
     """Check that no machines collide, none is stuck, and each completes its number of missions."""
-    assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
-    done = {name: found.summary["machines"][name]["jobs_done"] for name in counts}
-    assert done == counts, [e for e in found.events if e["kind"].startswith(("machine", "traffic"))]
+    assert finished.summary["collisions"] == finished.summary["traffic_deadlocks"] == 0
+    done = {name: finished.summary["machines"][name]["jobs_done"] for name in counts}
+    assert done == counts, [
+        e for e in finished.events if e["kind"].startswith(("machine", "traffic"))
+    ]
 
 
 def test_two_vehicles_head_on_in_a_corridor_use_the_passing_place():
     machines = {"a": amr("[1.5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
-    found = run(machines, floor=CORRIDOR)
-    require_arrivals(found, a=1, b=1)
-    (evaded,) = [e for e in events(found, "machine_evades") if "to" in e]
+    finished = run(machines, floor=CORRIDOR)
+    require_arrivals(finished, a=1, b=1)
+    (evaded,) = [e for e in events(finished, "machine_evades") if "to" in e]
     assert evaded["machine"] == "b" and evaded["to"][1] > 1.6
 
 
@@ -67,24 +69,24 @@ def test_the_vehicle_of_lower_priority_evades():
         "a": amr("[1.5, 0.8, 0.0]", "east"),
         "b": amr("[18.5, 0.8, 3.1416]", "west", more=", priority: 1"),
     }
-    found = run(machines, floor=CORRIDOR)
-    require_arrivals(found, a=1, b=1)
-    assert {e["machine"] for e in events(found, "machine_evades")} == {"a"}
+    finished = run(machines, floor=CORRIDOR)
+    require_arrivals(finished, a=1, b=1)
+    assert {e["machine"] for e in events(finished, "machine_evades")} == {"a"}
 
 
 def test_the_vehicle_under_way_for_longer_keeps_its_path():
     later = amr("[1.5, 0.8, 0.0]", "east").replace("[{", "[{wait: 2}, {")
-    found = run({"a": later, "b": amr("[18.5, 0.8, 3.1416]", "west")}, floor=corridor(8))
-    require_arrivals(found, a=2, b=1)
-    assert {e["machine"] for e in events(found, "machine_evades")} == {"a"}
+    finished = run({"a": later, "b": amr("[18.5, 0.8, 3.1416]", "west")}, floor=corridor(8))
+    require_arrivals(finished, a=2, b=1)
+    assert {e["machine"] for e in events(finished, "machine_evades")} == {"a"}
 
 
 def test_a_vehicle_gives_up_its_right_of_way_if_no_other_can_evade():
     """The passing place is behind `a` when they meet."""
     machines = {"a": amr("[5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
-    found = run(machines, floor=corridor(5))
-    require_arrivals(found, a=1, b=1)
-    (evaded,) = [e for e in events(found, "machine_evades") if "to" in e]
+    finished = run(machines, floor=corridor(5))
+    require_arrivals(finished, a=1, b=1)
+    (evaded,) = [e for e in events(finished, "machine_evades") if "to" in e]
     assert evaded["machine"] == "a" and evaded["to"][1] > 1.6
 
 
@@ -93,12 +95,12 @@ def test_a_corridor_without_a_passing_place_is_a_deadlock_of_both():
         ", niche: [10, 3]", ""
     )
     machines = {"a": amr("[1.5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
-    found = run(machines, floor=plain, duration=100)
-    assert found.summary["collisions"] == 0 and found.summary["traffic_deadlocks"] == 1
-    (deadlock,) = events(found, "traffic_deadlock")
+    finished = run(machines, floor=plain, duration=100)
+    assert finished.summary["collisions"] == 0 and finished.summary["traffic_deadlocks"] == 1
+    (deadlock,) = events(finished, "traffic_deadlock")
     assert sorted(deadlock["machines"]) == ["a", "b"]
-    waited = {name: found.summary["machines"][name]["waiting_time"] for name in "ab"}
-    assert min(waited.values()) > 60 and found.summary["waiting_time"] == sum(waited.values())
+    waited = {name: finished.summary["machines"][name]["waiting_time"] for name in "ab"}
+    assert min(waited.values()) > 60 and finished.summary["waiting_time"] == sum(waited.values())
 
 
 def test_a_crossing_vehicle_waits_and_continues():
@@ -106,10 +108,10 @@ def test_a_crossing_vehicle_waits_and_continues():
         "a": amr("[2.0, 6.0, 0.0]", "[18, 6]"),
         "b": amr("[10.0, 1.5, 1.5708]", "[10, 10.5]"),
     }
-    found = run(machines)
-    require_arrivals(found, a=1, b=1)
-    (waits,) = events(found, "machine_waiting")
-    (proceeds,) = events(found, "machine_proceeds")
+    finished = run(machines)
+    require_arrivals(finished, a=1, b=1)
+    (waits,) = events(finished, "machine_waiting")
+    (proceeds,) = events(finished, "machine_proceeds")
     assert waits["machine"] == proceeds["machine"] and proceeds["waited"] > 0
 
 
@@ -120,8 +122,8 @@ def test_four_vehicles_share_a_station():
         f"v{k}": f"kind: amr, at: {at}, missions: [{{go: [10, 6]}}, {{wait: 10}}, {{go: {back}}}]"
         for k, (at, back) in enumerate(zip(places, home, strict=True))
     }
-    found = run(machines, duration=240)
-    require_arrivals(found, v0=3, v1=3, v2=3, v3=3)
+    finished = run(machines, duration=240)
+    require_arrivals(finished, v0=3, v1=3, v2=3, v3=3)
 
 
 def test_two_vehicles_swap_their_places():
@@ -131,17 +133,17 @@ def test_two_vehicles_swap_their_places():
 
 def test_a_vehicle_without_missions_makes_way():
     machines = {"a": amr("[1.5, 0.8, 0.0]", "east"), "idle": "kind: amr, at: [8.0, 0.8, 0.0]"}
-    found = run(machines, floor=CORRIDOR)
-    require_arrivals(found, a=1)
+    finished = run(machines, floor=CORRIDOR)
+    require_arrivals(finished, a=1)
     parked = {**machines, "idle": machines["idle"] + ", controller: parked"}
-    found = run(parked, floor=CORRIDOR)
-    require_arrivals(found, a=0)
-    (blocked,) = events(found, "machine_blocked")
+    finished = run(parked, floor=CORRIDOR)
+    require_arrivals(finished, a=0)
+    (blocked,) = events(finished, "machine_blocked")
     assert blocked["machine"] == "a"
 
 
 def test_a_second_evasion_works_too():
-    """The first one ends with a turn to the other side, so at another number of whole turns."""
+    """The first evasion ends with a turn to the other side, so at another number of whole turns."""
     text = f"floorplan:\n{textwrap.indent(HALL, '  ')}\nduration: 60\nmachines:\n  a: {{" + amr(
         "[2, 6, 0.0]", "[18, 6, 3.1]"
     )
@@ -167,19 +169,19 @@ TUG = "kind: agv, origin: [10, 1.5], heading: 1.5707963, limits: [0, 9], moves: 
 def test_a_vehicle_waits_for_an_agv_whose_lane_crosses():
     tug = TUG.format(moves="[{time: 2, to: 9}, {time: 40, to: 0}]")
     machines = {"a": amr("[2, 6, 0.0]", "[18, 6]"), "tug": tug}
-    found = run(machines)
-    require_arrivals(found, a=1)
-    assert len(events(found, "agv_moved")) >= 2
+    finished = run(machines)
+    require_arrivals(finished, a=1)
+    assert len(events(finished, "agv_moved")) >= 2
 
 
 def test_agvs_whose_lanes_cross_wait_for_each_other():
     tug = TUG.format(moves="[{time: 1, to: 9}]")
     other = tug.replace("[10, 1.5], heading: 1.5707963", "[5.5, 6], heading: 0.0")
-    found = run({"tug": tug, "other": other}, duration=60)
-    assert found.summary["collisions"] == 0
-    (waits,) = events(found, "machine_waiting")
+    finished = run({"tug": tug, "other": other}, duration=60)
+    assert finished.summary["collisions"] == 0
+    (waits,) = events(finished, "machine_waiting")
     assert {waits["machine"], waits["for_machine"]} == {"tug", "other"}
-    ends = [found.motions[name].position(60.0).tolist() for name in ("tug", "other")]
+    ends = [finished.motions[name].position(60.0).tolist() for name in ("tug", "other")]
     assert ends == [pytest.approx([10.0, 10.5]), pytest.approx([14.5, 6.0])]
 
 
@@ -197,9 +199,9 @@ machines:
     controller: oblivious
     jobs: [{move: [-2.0, 4.0, 0.4]}]
 """
-    found = sim.run(sim.Trial.parse(text))
-    assert found.summary["collisions"] == 0
-    (waits,) = events(found, "machine_waiting")
+    finished = sim.run(sim.Trial.parse(text))
+    assert finished.summary["collisions"] == 0
+    (waits,) = events(finished, "machine_waiting")
     assert waits["machine"] == "other" and waits["for_machine"] == "gantry"
 
 
@@ -219,11 +221,11 @@ machines:
 
 
 @pytest.mark.parametrize("jobs", ["[{move: [-12.0, 4.8, 0.0]}]", "[]"])
-def test_a_gantry_lets_another_pass(jobs):
+def test_a_gantry_gives_way_to_another(jobs):
     """Each wants the place of the other, or one has nothing to do."""
-    found = sim.run(sim.Trial.parse(ON_ONE_RAIL.format(jobs=jobs)))
-    assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
-    done = [e.get("machine", "gantry") for e in events(found, "job_done")]
+    finished = sim.run(sim.Trial.parse(ON_ONE_RAIL.format(jobs=jobs)))
+    assert finished.summary["collisions"] == finished.summary["traffic_deadlocks"] == 0
+    done = [e.get("machine", "gantry") for e in events(finished, "job_done")]
     assert sorted(done) == (["gantry", "other"] if jobs != "[]" else ["other"])
 
 
@@ -260,20 +262,20 @@ machines:
 def test_functions_of_twists_cannot_drive_into_others(tmp_path):
     a = 'at: [2, 6, 0.0], controller: "steering:ahead", rate: 10'
     b = 'at: [11, 6, 3.1416], controller: "steering:around", rate: 10'
-    found = steered(tmp_path, a, b, 40)
-    assert found.summary["collisions"] == 0
-    assert events(found, "machine_waiting")
+    finished = steered(tmp_path, a, b, 40)
+    assert finished.summary["collisions"] == 0
+    assert events(finished, "machine_waiting")
 
 
 def test_a_function_can_drive_away_while_its_vehicle_waits(tmp_path):
     a = 'at: [4, 6, 0.0], controller: "steering:back_when_it_waits", rate: 10'
-    found = steered(tmp_path, a, "at: [8, 6, 3.1416], controller: parked", 20)
-    assert found.summary["collisions"] == 0
-    waits, *_ = events(found, "machine_waiting")
-    proceeds, *_ = events(found, "machine_proceeds")
+    finished = steered(tmp_path, a, "at: [8, 6, 3.1416], controller: parked", 20)
+    assert finished.summary["collisions"] == 0
+    waits, *_ = events(finished, "machine_waiting")
+    proceeds, *_ = events(finished, "machine_proceeds")
     assert waits["t"] < proceeds["t"] < waits["t"] + 2.0
-    west = found.motions["a"].position(waits["t"] + 2.0)[0]
-    assert west < found.motions["a"].position(waits["t"])[0]
+    west = finished.motions["a"].position(waits["t"] + 2.0)[0]
+    assert west < finished.motions["a"].position(waits["t"])[0]
 
 
 def test_bad_keys_are_named():
@@ -314,12 +316,12 @@ def random_trial(seed, duration):
 
 
 def check_random(seed, duration):
-    found = sim.run(random_trial(seed, duration))
-    assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
-    for name, figures in found.summary["machines"].items():
+    finished = sim.run(random_trial(seed, duration))
+    assert finished.summary["collisions"] == finished.summary["traffic_deadlocks"] == 0
+    for name, figures in finished.summary["machines"].items():
         if name.startswith("v"):
             late = [
-                e["t"] for e in events(found, "job_done", machine=name) if e["t"] > duration / 2
+                e["t"] for e in events(finished, "job_done", machine=name) if e["t"] > duration / 2
             ]
             assert late, (seed, name, figures)
 

@@ -15,24 +15,24 @@ SHOP = floorplan.load("warehouse")
 NAN = float("nan")
 
 
-def ada(**given):
-    return {"people": (sim.PersonEntry("ada", **given),)}
+def ada(**keys):
+    return {"people": (sim.PersonEntry("ada", **keys),)}
 
 
-def rules(**given):
-    return {"rules": replace(sim.PAPER, **given)}
+def rules(**keys):
+    return {"rules": replace(sim.PAPER, **keys)}
 
 
-def notice(**given):
-    return rules(notice=replace(sim.PAPER.notice, **given))
+def notice(**keys):
+    return rules(notice=replace(sim.PAPER.notice, **keys))
 
 
-def jobs(*given):
-    return {"gantry": sim.GantryEntry("oblivious", jobs=given)}
+def jobs(*entries):
+    return {"gantry": sim.GantryEntry("oblivious", jobs=entries)}
 
 
-def moves(*given, agv="agv1"):
-    return {"agvs": {agv: tuple(sim.AgvMove(time, to) for time, to in given)}}
+def moves(*entries, agv="agv1"):
+    return {"agvs": {agv: tuple(sim.AgvMove(time, to) for time, to in entries)}}
 
 
 def changes(personality, time=5.0):
@@ -40,7 +40,7 @@ def changes(personality, time=5.0):
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("keys", "message"),
     [
         ({"duration": -1.0}, "duration: must be more than 0 and at most 1e.10, not -1.0"),
         ({"duration": 1e10}, "duration: must be"),
@@ -92,12 +92,12 @@ def changes(personality, time=5.0):
         ),
     ],
 )
-def test_an_impossible_trial_is_reported_before_the_run(given, message):
-    trial = sim.Trial(**{"floorplan": FLOOR, "name": "mine", "duration": 10.0, **given})
-    with pytest.raises(sim.TrialError, match=message) as told:
+def test_an_impossible_trial_is_reported_before_the_run(keys, message):
+    trial = sim.Trial(**{"floorplan": FLOOR, "name": "mine", "duration": 10.0, **keys})
+    with pytest.raises(sim.TrialError, match=message) as error:
         sim.Simulation(trial)
-    assert str(told.value).startswith("trial 'mine': ")
-    assert len(told.value.problems) == 1
+    assert str(error.value).startswith("trial 'mine': ")
+    assert len(error.value.problems) == 1
 
 
 def test_all_problems_are_reported_at_once():

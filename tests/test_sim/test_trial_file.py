@@ -107,8 +107,8 @@ def test_invalid_values_are_reported_with_their_place(change, message):
 def test_problems_of_several_kinds_are_reported_together():
     text = TRIAL.replace("personality: antagonistic", "personality: nobody")
     text = text.replace("agv1:", "agv9:").replace("penalties: 0", "penaltys: 0")
-    said = problems(text)
-    assert [place in said for place in ("line 5", "agvs.agv9", "expect.penaltys")] == [True] * 3
+    reported = problems(text)
+    assert [place in reported for place in ("line 5", "agvs.agv9", "expect.penaltys")] == [True] * 3
 
 
 def test_a_person_without_a_place_to_start_from(tmp_path):

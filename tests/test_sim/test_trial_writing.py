@@ -238,18 +238,18 @@ def keys_in(form, written):
     """Return the written keys of a form and of the forms within it, as (form, key)."""
     if isinstance(written, list):
         return {key for one in written for key in keys_in(form, one)}
-    found = set()
+    keys = set()
     if not isinstance(written, dict):
-        return found
+        return keys
     for key, annotation in form_keys(form):
         if key in written:
-            found.add((form, key))
+            keys.add((form, key))
             value = written[key]
             bare = get_args(annotation)[0] if get_origin(annotation) is Annotated else annotation
             named = get_origin(bare) is dict and isinstance(value, dict)
             for inner in forms(annotation):
-                found |= keys_in(inner, [*value.values()] if named else value)
-    return found
+                keys |= keys_in(inner, [*value.values()] if named else value)
+    return keys
 
 
 def forms_below(form):
@@ -261,18 +261,18 @@ def forms_below(form):
 def test_every_key_is_read_and_written(tmp_path):
     (tmp_path / "tracks.csv").write_text("id,frame,x,y\n7,20,-14,-8\n7,40,-14,-8\n")
     data = yaml.safe_load(EVERY_KEY)
-    known = {(form, key) for form in forms_below(TrialKeys) for key, _ in form_keys(form)}
+    keys = {(form, key) for form in forms_below(TrialKeys) for key, _ in form_keys(form)}
     shape = {"z", *(key for key, _ in form_keys(FootprintKeys))}
-    known = {(form, key) for form, key in known if key not in shape}
+    keys = {(form, key) for form, key in keys if key not in shape}
     elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
     elsewhere |= {(TrialKeys, "doors"), (DoorTimes, "closed"), (DoorTimes, "open")}
-    elsewhere.add((Muting, "zones"))
+    elsewhere |= {(Muting, "zones"), (sim.GantryEntry, "rate")}
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     elsewhere.add((RecordedTrack, "everybody"))  # its people are written
-    elsewhere |= {(form, "count") for form, key in known if key == "stream"}
+    elsewhere |= {(form, "count") for form, key in keys if key == "stream"}
     # Repeated moves are written one by one.
-    elsewhere |= {(form, "every") for form, key in known if key == "to"} & known
-    assert known - keys_in(TrialKeys, data) == elsewhere
+    elsewhere |= {(form, "every") for form, key in keys if key == "to"} & keys
+    assert keys - keys_in(TrialKeys, data) == elsewhere
     trial = sim.Trial.parse(EVERY_KEY, folder=tmp_path)
     assert yaml.safe_load(trial.to_yaml(tmp_path)) == data
 

@@ -133,8 +133,8 @@ def test_completing_without_a_mission_is_an_error():
 
 
 def of_python(controller, **keys):
-    given = {"at": (8.5, 10.0, 1.5708), "missions": ({"go": "dock"},), "controller": controller}
-    machines = {"fork": sim.MachineEntry("amr", given | keys)}
+    cart = {"at": (8.5, 10.0, 1.5708), "missions": ({"go": "dock"},), "controller": controller}
+    machines = {"fork": sim.MachineEntry("amr", cart | keys)}
     warehouse = sim.Trial.parse("floorplan: warehouse").floorplan
     return sim.Trial(warehouse, duration=60.0, machines=machines)
 
@@ -174,8 +174,8 @@ def test_a_controller_of_python_is_written_by_its_name(beside, monkeypatch):
     import drive
 
     try:
-        given = replace(of_python(drive.Patrol, rate=10.0), folder=beside)
-        again = sim.Trial.parse(given.to_yaml(beside), folder=beside)
+        patrolling = replace(of_python(drive.Patrol, rate=10.0), folder=beside)
+        again = sim.Trial.parse(patrolling.to_yaml(beside), folder=beside)
         assert again.machines["fork"].keys["controller"] == "drive:Patrol"
         with pytest.raises(ValueError, match=r"its vehicle controller .* is in no module"):
             of_python(lambda vehicle: None, rate=10.0).to_yaml()
@@ -219,9 +219,9 @@ def test_the_command_chooses_controllers_of_vehicles(beside, options, controller
 
     text = TRIAL.format(name="counting", rate="rate: 10")
     text += "  b: {kind: amr, at: [1.5, 2.0, 0.0], controller: oblivious}\n"
-    given = changed(sim.Trial.parse(text, folder=beside), None, None, None, None, options)
-    assert [entry.keys["controller"] for entry in given.machines.values()] == controllers
-    assert given.machines["fork"].keys.get("rate") == rate
+    chosen = changed(sim.Trial.parse(text, folder=beside), None, None, None, None, options)
+    assert [entry.keys["controller"] for entry in chosen.machines.values()] == controllers
+    assert chosen.machines["fork"].keys.get("rate") == rate
 
 
 def test_the_command_rejects_a_controller_of_no_machine(beside, monkeypatch):

@@ -260,8 +260,8 @@ def test_only_a_vehicle_without_missions_makes_way():
     assert not busy.make_way([], courses)
     parked, _ = in_hall(1.0, keys="controller: parked")
     assert not parked.make_way([], courses)
-    held, _ = in_hall(1.0, keys="missions: []", more="commands: [{time: 0.5, hold: cart}]\n")
-    assert not held.make_way([], courses)
+    stopped, _ = in_hall(1.0, keys="missions: []", more="commands: [{time: 0.5, hold: cart}]\n")
+    assert not stopped.make_way([], courses)
     idle, simulation = in_hall(1.0, keys="missions: []")
     assert idle.may_leave and not parked.may_leave
     assert not idle.make_way([box(1.0, 3.0, 2.3, 7.0)], [box(0.0, 0.0, 20.0, 10.0)])

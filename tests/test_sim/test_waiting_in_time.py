@@ -85,7 +85,7 @@ def test_a_later_stage_of_tasks_waits_for_the_one_before():
     assert names(tasks) == ["c"]
 
 
-def test_a_group_of_tasks_can_go_first():
+def test_a_group_of_tasks_can_be_first():
     tasks = Tasks(Clock(0.0))
     tasks.add([task("a")])
     tasks.add([task("urgent")], first=True)
@@ -106,14 +106,14 @@ def test_the_next_task_waits_for_later_tasks():
     clock = Clock(0.0)
     tasks = Tasks(clock)
     tasks.more_to_come = True
-    found = []
+    taken = []
 
     def take():
-        while (found_one := (yield tasks.next())) is not None:
-            found.append((clock.now, found_one.fields["name"]))
-            found_one.advance()
+        while (next_task := (yield tasks.next())) is not None:
+            taken.append((clock.now, next_task.fields["name"]))
+            next_task.advance()
             tasks.reconsider()
-        found.append((clock.now, None))
+        taken.append((clock.now, None))
 
     def bring():
         yield clock.timeout(3.0)
@@ -125,7 +125,7 @@ def test_the_next_task_waits_for_later_tasks():
     clock.process(take())
     clock.process(bring())
     clock.run()
-    assert found == [(3.0, "late"), (5.0, None)]
+    assert taken == [(3.0, "late"), (5.0, None)]
 
 
 def test_a_task_has_at_least_one_step():

@@ -72,13 +72,13 @@ work:
 """)
     )
     kinds = ("shift_began", "shift_ended", "task_done")
-    found = happened(run, *kinds)
-    assert found[0] == (600.0, "shift_began", "ann", None)
-    names = [task for _, kind, _, task in found if kind == "task_done"]
+    entries = happened(run, *kinds)
+    assert entries[0] == (600.0, "shift_began", "ann", None)
+    names = [task for _, kind, _, task in entries if kind == "task_done"]
     assert names.count("bench") == names.count("break") == 1
     times = {e["task"]: e for e in run.events if e["kind"] == "task_done"}
     assert times["break"]["t"] - times["break"]["took"] - times["break"]["waited"] == 840.0
-    assert found[-1][0] < 1080 + 25 + 30
+    assert entries[-1][0] < 1080 + 25 + 30
     # Only work counts, not breaks. Throughput is per hour of the shift.
     ann = run.summary["people"]["ann"]
     assert ann["tasks_done"] == len(names) - 1
@@ -249,7 +249,7 @@ work:
 
 
 def test_times_of_day_are_written_as_seconds_and_shown_as_in_the_file(tmp_path):
-    given = trial("""\
+    shift = trial("""\
 duration: 20 min
 begins: 05:50
 people:
@@ -260,12 +260,12 @@ people:
     breaks: [06:04:30 canteen for 2 min]
 work: {line: [{at: press, duration: 25, every: 1.5 min}]}
 """)
-    assert given.duration == 1200 and given.work["line"].tasks[0].every == 90
-    assert given.people[0].shifts == ((600.0, 1080.0), (1100.0, 1100.5))
-    written = given.to_yaml(tmp_path)
+    assert shift.duration == 1200 and shift.work["line"].tasks[0].every == 90
+    assert shift.people[0].shifts == ((600.0, 1080.0), (1100.0, 1100.5))
+    written = shift.to_yaml(tmp_path)
     assert "06:0" not in written
-    assert sim.Trial.parse(written).people[0].shifts == given.people[0].shifts
-    sim.safety_report(sim.run(given), tmp_path / "report.html")
+    assert sim.Trial.parse(written).people[0].shifts == shift.people[0].shifts
+    sim.safety_report(sim.run(shift), tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
     assert "shift 06:00 – 06:08; shift 1,100 s – 1,100.5 s; break at 06:04:30" in page
 

@@ -176,9 +176,9 @@ def test_problems_are_in_the_order_of_their_lines():
     ],
 )
 def test_a_likely_mistake_is_noticed(text, line, message):
-    told = sim.Trial.parse(text).notices
-    assert [notice.line for notice in told] == [line] * bool(message)
-    assert message in "".join(map(str, told))
+    reported = sim.Trial.parse(text).notices
+    assert [notice.line for notice in reported] == [line] * bool(message)
+    assert message in "".join(map(str, reported))
 
 
 def test_a_name_that_yaml_reads_as_a_flag_is_reported():

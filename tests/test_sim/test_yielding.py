@@ -117,7 +117,7 @@ def test_an_agv_stops_for_a_crossing_person_and_drives_on(tmp_path):
     agv = run.motions["one"]
     assert agv.state(second["t"] - 1e-6).speed == 0.0
     assert agv.position(60.0) == pytest.approx((16.0, 5.0))
-    # It brakes as hard as it can, and no harder.
+    # The AGV brakes with its maximum deceleration.
     at = agv.state(yielded["t"])
     stopped = yielded["t"] + at.speed / 2.0
     assert agv.state(stopped + 1e-9).speed == 0.0

@@ -82,7 +82,7 @@ class Cart(Evading):
         return [t for kind, t, *_ in self.asked if kind == what]
 
     def covered(self, begin, end):
-        """Return the area that it covers on its motion."""
+        """Return the area that the cart covers on its motion."""
         states = [self.body.motion.state(float(t)) for t in np.linspace(begin, end, 120)]
         poses = [self.shape.footprint(state.at, state.position[2]) for state in states]
         return shapely.union_all(poses)

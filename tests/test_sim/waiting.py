@@ -6,20 +6,20 @@ import threading
 import time
 
 HANG = 300.0
-"""Seconds. What takes longer hangs, however busy the machine is."""
+"""s. A longer wait is a hang, even on a busy machine."""
 
 
-def until(holds, process=None, told=lambda: ""):
+def until(holds, process=None, message=lambda: ""):
     """Wait until `holds` returns a true value, and return it.
 
-    A `process` must run meanwhile. `told()` is the message of a failure.
+    A `process` must run meanwhile. `message()` is the message of a failure.
     """
     hangs_at = time.monotonic() + HANG
-    while not (found := holds()):
-        assert time.monotonic() < hangs_at, told()
-        assert process is None or process.poll() is None, told()
+    while not (result := holds()):
+        assert time.monotonic() < hangs_at, message()
+        assert process is None or process.poll() is None, message()
         time.sleep(0.01)
-    return found
+    return result
 
 
 class Hand:

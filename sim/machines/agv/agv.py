@@ -66,9 +66,6 @@ class Agv(CommandedMachine):
     def drive(self, to: str | float) -> None:
         """Start to drive to a location or a lane position (m)."""
         self._drive.go(to)
-        if self._lookout is not None and self._drive.runs and not self._drive.is_on_move:
-            return  # the former run is safe until the next check
-        self._react()
 
     def hold(self, stands: bool) -> None:
         """Start or end a protective stop."""

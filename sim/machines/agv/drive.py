@@ -37,8 +37,9 @@ class ClosedPart(NamedTuple):
 class LaneDrive(Drive):
     """Drive of an AGV, which begins and resumes its moves at once.
 
-    `rested` is called at the end of each run and stop. `permits` returns whether the AGV may follow
-    a motion now. If not, the move waits for the next `retry`.
+    `rested` is called at the end of each run and stop, and `set_out` after the begin of each move.
+    `permits` returns whether the AGV may follow a motion now. If not, the move waits for the next
+    `retry`.
     """
 
     def __init__(
@@ -58,6 +59,7 @@ class LaneDrive(Drive):
         self.to: str | float | None = None
         """Target of the current move: a location or a lane position (m)."""
         self.permits: Callable[[Motion], bool] = lambda _: True
+        self.set_out: Callable[[], None] = lambda: None
         self._stage = stage
         self._rested = rested
         self._rest: tuple[Motion | None, float] = (None, 0.0)
@@ -155,6 +157,7 @@ class LaneDrive(Drive):
         if motion is not None:
             move.follow(motion)
             move.proceed()
+        self.set_out()
         return move
 
     @override

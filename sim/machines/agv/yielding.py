@@ -44,6 +44,7 @@ class PedestrianWatch:
         self._awaited: tuple[Body, float, float] | None = None
         """A standing person in the way, the next time of a check, and the interval (s)."""
         drive.permits = self._permits
+        drive.set_out = self._set_out
 
     def add(self, person: Body, top_speed: float) -> None:
         """Yield to a person, who walks at `top_speed` (m/s) at most."""
@@ -72,6 +73,11 @@ class PedestrianWatch:
         person, self._hindered_by = self._hindered_by, None
         if person is not None:
             self._wait(person)
+
+    def _set_out(self) -> None:
+        """Wait if the new move was not permitted. A former run is safe until the next check."""
+        if self._drive.is_on_move or not self._drive.runs:
+            self.react()
 
     def _permits(self, motion: Motion) -> bool:
         """Return whether a run is safe. If so, it begins, and the next check is scheduled."""

@@ -197,7 +197,7 @@ def _lane(shape: MachineShape) -> Area | None:
 def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:
     """Return poses along a motion: ends of pieces, and samples of curves and turns."""
     poses = [motion.state(begin).position]
-    for piece in motion.pieces_from(begin):
+    for piece in motion.pieces_from(begin, end):
         a, b = max(piece.begin, begin), min(piece.end, end)
         if a >= b:
             continue

@@ -47,13 +47,13 @@ def circle_of(machine: T, waits_for: Mapping[T, Sequence[T]]) -> tuple[T, ...]:
     Each machine of the cycle waits for the next one, and the last for the first.
     """
     paths: list[tuple[T, ...]] = [(machine,)]
-    seen = {machine}
+    visited = {machine}
     for path in paths:
         for other in waits_for.get(path[-1], ()):
             if other is machine:
                 return path
-            if other not in seen:
-                seen.add(other)
+            if other not in visited:
+                visited.add(other)
                 paths.append((*path, other))
     return ()
 
