@@ -20,6 +20,9 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 DEPTH = 10
 """Number of messages in the queue of a topic."""
 
+RESULTS_LAST = 900
+"""Seconds of simulated time in which a client can get a result. 10, the default, pass fast."""
+
 
 class RosTopic:
     """Topic on which the cell publishes. It is never needed if its type is not installed."""
@@ -94,7 +97,7 @@ class CellNode:
     def provide_action(self, name: str, interface: str, **callbacks: Any) -> Any:
         """Provide an action with callbacks of rclpy, and return its type, or None."""
         if (action := self.find(interface, name)) is not None:
-            ActionServer(self.node, action, name, **callbacks)
+            ActionServer(self.node, action, name, result_timeout=RESULTS_LAST, **callbacks)
         return action
 
     @contextmanager
