@@ -321,7 +321,7 @@ def test_every_order_of_a_valid_trial_ends_submitted(trial, controller):
 def test_a_bridged_trial_ends_with_its_orders_too():
     cell = Workcell(alone(trial_of(kitting("A", q1="red pump"), bins=BINS)), Exchange())
     while not cell.simulation.over:
-        cell.advance(cell.now + 7.0)
+        cell.simulation.advance(cell.now + 7.0)
     assert cell.now == pytest.approx(cell.simulation.finish().summary["orders"]["A"]["submitted"])
 
 
