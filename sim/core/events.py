@@ -494,7 +494,7 @@ class MachineProceeds(EventKind):
 
 
 class MachineEvades(EventKind):
-    """A machine takes another path, or moves aside `to` a passing place, so that another can pass."""
+    """A machine takes another path, or moves aside `to` a passing place, for another to pass."""
 
     machine: _Machine
     for_machine: _Machine
