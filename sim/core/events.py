@@ -86,7 +86,7 @@ class EventKind:
 
     Parameters
     ----------
-    **given
+    **fields
         Values of the fields by name. Fields with a default may be omitted.
 
     Attributes
