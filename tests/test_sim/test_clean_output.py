@@ -57,7 +57,6 @@ NOTICES = {
     "benchmark": r"Wrote b/report\.html, CSV files of all answers and an OMPL log for each floor\n",
     "bridge": r"serving ws://127\.0\.0\.1:\d+\n(stands still at t = 0\.0 s: there is no agent\n)?"
     r"the trial begins\n",
-    "check": r"short\.trial\.yaml: rules: .* needed\)\n",
     "search": r"drawn: 4 of 4 evaluations least \S+\n",
     "plot riskmap": r"Nobody was nearer than required .*\n",
 }
