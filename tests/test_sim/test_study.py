@@ -145,14 +145,15 @@ def test_an_unknown_backend_is_rejected(study, tmp_path):
 
 
 WAITS = """\
+import os
 import time
 from pathlib import Path
 def moody(gantry):
     results = Path("killed/results.jsonl")
-    runs = [Path(f"run{k}") for k in range(6)]
+    runs = [Path(f"{os.getpid()}-run{k}") for k in range(6)]
     free = Path("held").exists() and next((run for run in runs if not run.exists()), None)
     if free:
-        free.touch()  # the first few runs do not wait for rows
+        free.touch()  # the first few runs of each process do not wait for rows
     while Path("held").exists() and (
         not free or results.exists() and results.read_bytes().count(b"\\n") > 3
     ):
