@@ -125,7 +125,7 @@ class Episodes:
 
     def step(self, name: str) -> Transition:
         """Return what has happened to a machine since the last tick."""
-        machine, events = self.ticks.machines[name], tuple(self.ticks.events)
+        machine, events = self.ticks.machines[name], self.ticks.events
         before, distance = self._goals[name], self._distances[name]
         goal = machine.goal_pose
         self._note(name, goal)

@@ -42,24 +42,26 @@ class Ticks:
     def __init__(
         self, trial: Trial, names: Sequence[str], interface: Interface, *listeners: Listener
     ) -> None:
-        self.events: list[Recorded] = []
-        """Events since the last tick."""
+        self._earlier = 0
         self._waiting: dict[str, Event] = {}
         self._actions: dict[str, Any] = {}
         controller = partial(driven, self._wait, interface)
         self.simulation = Simulation(
-            with_controllers(trial, dict.fromkeys(names, controller)),
-            _Recent(self.events),
-            *listeners,
+            with_controllers(trial, dict.fromkeys(names, controller)), *listeners
         )
         machines = self.simulation.machines
         self.machines = {name: _commanded(machines[name]) for name in names}
 
     def advance(self, actions: Mapping[str, Any]) -> None:
         """Carry out the actions, and simulate until the next tick or the end."""
-        self.events.clear()
+        self._earlier = len(self.simulation.events)
         self._actions = dict(actions)
         self.simulation.advance(self.simulation.trial.duration, enough=self._waits)
+
+    @property
+    def events(self) -> tuple[Recorded, ...]:
+        """Events since the last tick."""
+        return tuple(self.simulation.events[self._earlier :])
 
     @property
     def over(self) -> bool:
@@ -102,13 +104,3 @@ def names_of(trial: Trial) -> list[str]:
 def _commanded(machine: Any) -> PolicyDriven:
     assert isinstance(machine, PolicyDriven)
     return machine
-
-
-class _Recent(Listener):
-    """Keeps the events since the last tick."""
-
-    def __init__(self, events: list[Recorded]) -> None:
-        self._events = events
-
-    def event(self, event: Recorded) -> None:
-        self._events.append(event)
