@@ -192,13 +192,10 @@ Choose = Callable[[Any], Any]
 
 def driven(choose: Choose, interface: Interface, machine: PolicyDriven) -> Steps:
     """Carry out the action that `choose` returns at each tick."""
-    for k in itertools.count(1):
-        until = k / interface.rate
-        if until <= machine.now:  # a step of a task took longer than a tick
-            continue
+
+    def chosen() -> Steps:
         machine.count_goals(interface.goal_radius)
         action = choose(machine)
-        if isinstance(action, Event):
-            action = yield action
-        yield from machine.act(action, until, interface.goal_radius)
-        yield machine.until(max(until, machine.now))
+        return (yield action) if isinstance(action, Event) else action
+
+    yield from machine.act_at_ticks(interface.rate, chosen, interface.goal_radius)

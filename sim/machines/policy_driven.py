@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from navigation.vehicles import Twist
 
@@ -70,3 +71,29 @@ class PolicyDriven(TaskedMachine):
         Event
             End of the step of a task, if the action carries out one.
         """
+
+    def act_at_ticks(self, rate: float, choose: Callable[[], Steps], radius: float) -> Steps:
+        """Carry out the action that is chosen at each tick, if any.
+
+        Parameters
+        ----------
+        rate : float
+            Ticks per second.
+        choose : callable
+            Function that returns a generator, whose value is the action or None.
+        radius : float
+            Distance in metres, as of `act`.
+
+        Yields
+        ------
+        Event
+            Event to wait for: the next tick, or what `choose` and `act` wait for.
+        """
+        for k in itertools.count(1):
+            until = k / rate
+            if until <= self.now:  # a step of a task took longer than a tick
+                continue
+            action = yield from choose()
+            if action is not None:
+                yield from self.act(action, until, radius)
+            yield self.until(max(until, self.now))

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
-import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -99,12 +98,10 @@ def _called(code: Callable[..., Any], rate: float, machine: PolicyDriven) -> Ste
     function, make = code, code
     if inspect.isclass(code):
         function = make(machine) if argument_fault(make, {}) else make()
-    for k in itertools.count(1):
-        until = k / rate
-        if until <= machine.now:  # a step of a task took longer than a tick
-            continue
+
+    def chosen() -> Steps:
         machine.begin_mission()
-        command: Sequence[float] | None = function(machine)
-        if command is not None:
-            yield from machine.act(command, until, NEAR)
-        yield machine.until(max(until, machine.now))
+        return function(machine)
+        yield
+
+    yield from machine.act_at_ticks(rate, chosen, NEAR)
