@@ -8,6 +8,7 @@ from functools import partial
 
 from ..cell import Cell, CellCommand, CellTask, Pose, Scan, Signal, Velocity
 from ..cell.names import plain, prefix_of
+from ..cell.signals import SCANS
 from .exchange import Exchange, Topic, Values, take
 from .messages import about_z, seconds, vector
 
@@ -115,9 +116,8 @@ def _pose(pose: Pose) -> Values:
 
 def _odometry(t: float, frame: str, pose: Pose, velocity: Velocity) -> Values:
     """Return nav_msgs/Odometry, with the velocity in the frame of the body."""
-    c, s = math.cos(pose.heading), math.sin(pose.heading)
-    forwards, left = velocity.x * c + velocity.y * s, velocity.y * c - velocity.x * s
-    twist = {"linear": vector((forwards, left, 0.0)), "angular": vector((0.0, 0.0, velocity.turn))}
+    seen = velocity.seen_at(pose.heading)
+    twist = {"linear": vector((seen.x, seen.y, 0.0)), "angular": vector((0.0, 0.0, seen.turn))}
     return {
         "header": _header(t),
         "child_frame_id": frame,
@@ -134,7 +134,7 @@ def _laser_scan(t: float, frame: str, scan: Scan) -> Values:
         "angle_max": scan.first + math.tau - scan.step,
         "angle_increment": scan.step,
         "time_increment": 0.0,
-        "scan_time": 0.1,
+        "scan_time": 1 / SCANS,
         "range_min": 0.0,
         "range_max": scan.reach,
         "ranges": scan.distances.tolist(),

@@ -50,6 +50,17 @@ class Velocity:
     y: float
     turn: float = 0.0
 
+    def seen_at(self, heading: float) -> Velocity:
+        """Return the velocity in the frame of a body: forwards, to the left, and the same turn.
+
+        Parameters
+        ----------
+        heading : float
+            Heading of the body in radians.
+        """
+        c, s = math.cos(heading), math.sin(heading)
+        return Velocity(c * self.x + s * self.y, c * self.y - s * self.x, self.turn)
+
 
 @dataclass(frozen=True, eq=False)
 class Scan:

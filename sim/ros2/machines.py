@@ -6,7 +6,7 @@ import array
 import math
 from typing import Any
 
-from ..cell import Cell, JointPoint, JointTrajectory, Pose, Running, Velocity
+from ..cell import Cell, JointPoint, JointTrajectory, Pose, Running
 from ..cell.signals import SCANS
 from ..cell.trajectories import JOINTS, joint_values
 from ..exports.scene import ROOT_FRAME
@@ -97,10 +97,9 @@ class VehicleTopics:
         if self._odometry.is_needed:
             message = self._odometry.new(child_frame_id=self._base)
             set_header(message.header, self._cell.now, self._odom)
-            pose, velocity = self._pose.read(), self._velocity.read()
+            pose = self._pose.read()
             set_pose(message.pose.pose, within(self._origin, pose))
-            forwards = within(Pose(0.0, 0.0, pose.heading), Pose(velocity.x, velocity.y))
-            set_twist(message.twist.twist, Velocity(forwards.x, forwards.y, velocity.turn))
+            set_twist(message.twist.twist, self._velocity.read().seen_at(pose.heading))
             self._odometry.publish(message)
 
     def publish_scan(self) -> None:
