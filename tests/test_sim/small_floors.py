@@ -23,6 +23,15 @@ agvs:
   start: west
   lanes: {cart: {origin: [2, 2.75]}}
 """
+HALL = """\
+name: hall
+boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+safe_zone: {at: [2, 2]}
+stations: {press: [16, 10], dock: [4, 10]}
+obstacles: {rack: {x: [8, 12], y: [6, 7], z: [0, 1]}}
+"""
+WORKCELL = HALL + GANTRY + LANE.replace("2.75", "1.2")
+"""The hall with a gantry, and with a lane south of its rack."""
 
 
 def on_floor(floor, text):

@@ -24,6 +24,7 @@ from bridge_parts import (
     served,
     trial,
 )
+from small_floors import HALL as FLOOR, on_floor
 from waiting import HANG, until
 
 import bdi
@@ -523,13 +524,9 @@ def test_an_agent_without_a_server_is_reported():
         RemoteAgent("ws://127.0.0.1:1", trial(), trial().people[0])
 
 
-HALL = """
-floorplan:
-  name: hall
-  boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
-  safe_zone: {at: [2, 2]}
-  stations: {press: [16, 10], dock: [4, 10]}
-  obstacles: {rack: {x: [8, 12], y: [6, 7], z: [0, 1]}}
+HALL = on_floor(
+    FLOOR,
+    """\
 duration: 40
 rules: observe
 people:
@@ -537,7 +534,8 @@ people:
   - {name: bob, at: [18, 4], personality: external}
 machines:
   bot: {kind: amr, at: [4, 4, 0], size: [1.0, 0.7], controller: external}
-"""
+""",
+)
 
 
 def goal_of(x, y, turn=0.0):

@@ -3,34 +3,14 @@
 import math
 
 import pytest
+from small_floors import WORKCELL, on_floor
 
 import sim
 from sim.cell import Cell, JointPoint, JointTrajectory, Pace, Pose, Rejected
 
-TRIAL = """
-floorplan:
-  name: hall
-  boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
-  safe_zone: {at: [2, 2]}
-  stations: {press: [16, 10], dock: [4, 10]}
-  obstacles: {rack: {x: [8, 12], y: [6, 7], z: [0, 1]}}
-  gantry:
-    x: {range: [1, 19], max_speed: 1.0, max_acceleration: 0.5}
-    y: {range: [1, 11], max_speed: 1.0, max_acceleration: 0.5}
-    start: [10, 8, 0]
-    torso: {size: [1.0, 1.0], z: [1.2, 1.6]}
-    arm: {mount: [0.5, 0.0], reach: 0.9, bottom: 1.0}
-    rail_height: 2.9
-    tray_height: 1.3
-  agvs:
-    size: [1.2, 0.8]
-    height: 1.0
-    max_speed: 1.0
-    max_acceleration: 0.5
-    limits: [0, 16]
-    locations: {west: 0, middle: 8, east: 16}
-    start: west
-    lanes: {cart: {origin: [2, 1.2]}}
+TRIAL = on_floor(
+    WORKCELL,
+    """\
 duration: 60
 seed: 3
 rules: observe
@@ -40,7 +20,8 @@ people:
 gantry: {controller: external}
 machines:
   bot: {kind: amr, at: [4, 4, 0], size: [1.0, 0.7], controller: external}
-"""
+""",
+)
 
 
 def cell_of(text=TRIAL, *listeners):
