@@ -5,7 +5,7 @@ Goals end early by `.succeed_goal`, `.fail_goal`, a goal condition (`<:`) or a d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TypeAlias
 
 from ..actions import error_annots
@@ -273,7 +273,6 @@ def _hand_over(agent: AgentState, awaited: tuple[str, ...], u: Unifier, to: Unif
 
 
 _RUNS_ON, _FAILS, _IS_OVER = 1, 2, 3
-_Take: TypeAlias = Callable[[Intention, Goals, Unifier], int]
 
 
 class Finish:
