@@ -397,6 +397,17 @@ class Lane(ComposedKeys):
         (x, y), (c, s) = self.origin, self.direction
         return (x + q * c, y + q * s)
 
+    def along(self, at: Point) -> float:
+        """Return the position along the line of the lane of the nearest point to `at`, in metres.
+
+        Parameters
+        ----------
+        at : Point
+            Point in metres.
+        """
+        (x, y), (c, s) = self.origin, self.direction
+        return (at[0] - x) * c + (at[1] - y) * s
+
     def lane_position(self, to: str | float) -> float:
         """Return a lane position in metres.
 

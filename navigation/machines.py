@@ -424,9 +424,8 @@ def lane_state(lane: Lane, state: State) -> AxisState:
     The position is within the limits of the lane.
     """
     (low, high), (c, s) = lane.limits, lane.direction
-    (x, y), (vx, vy, _), (ax, ay, _) = state.at, state.velocity, state.acceleration
-    q = (x - lane.origin[0]) * c + (y - lane.origin[1]) * s
-    return AxisState(min(max(q, low), high), vx * c + vy * s, ax * c + ay * s)
+    (vx, vy, _), (ax, ay, _) = state.velocity, state.acceleration
+    return AxisState(min(max(lane.along(state.at), low), high), vx * c + vy * s, ax * c + ay * s)
 
 
 def longest_stop(machine: Machine) -> Stop:

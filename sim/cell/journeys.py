@@ -60,22 +60,17 @@ class MachineJourney(Journey):
         self.body = machine.body
         self.left = [*targets]
         self._machine = machine
-        self._ended = ""
 
     def begin(self) -> None:
         """Set out for the next target."""
         x, y, *heading = self.left[0]
-        self._ended = ""
+        self.ended = ""
         move = self._machine.move_to(x, y, *heading)
         then(move, partial(self._has_ended, self.left[0]))
 
     def _has_ended(self, target: Target, _: Occurrence) -> None:
         there = is_there(self._machine.position, target, NEAR)
-        self._ended = SUCCEEDED if there else REPLACED
-
-    def outcome(self) -> str:
-        """Return the outcome, or continue with the next target."""
-        return self.proceed() if self._ended == SUCCEEDED else self._ended
+        self.ended = SUCCEEDED if there else REPLACED
 
     def stop(self) -> None:
         """Stop the machine."""
@@ -106,11 +101,10 @@ def on_lane(lane: Lane, goal: str | float | Pose | Sequence[float]) -> Target:
     """Return the point on a lane of a location, a lane position (m) or a pose near the lane."""
     if isinstance(goal, str | float | int):
         return lane.position(lane.lane_position(goal))
-    at = target_of(goal)[:2]
-    (x, y), (c, s), (low, high) = lane.origin, lane.direction, lane.limits
-    along = (at[0] - x) * c + (at[1] - y) * s
-    point = lane.position(min(max(along, low), high))
-    if math.dist(point, at) > ASIDE:
+    x, y, *_ = target_of(goal)
+    low, high = lane.limits
+    point = lane.position(min(max(lane.along((x, y)), low), high))
+    if math.dist(point, (x, y)) > ASIDE:
         raise UserError(f"must be within {ASIDE:g} m of the lane of {lane.name}")
     return point
 
@@ -125,32 +119,27 @@ class PersonJourney(Journey):
         self.left = [*targets]
         self._route = route
         self._goal: list[float] | None = None
-        self._ended = ""
 
     def begin(self) -> None:
         """Set out for the next target."""
-        self._goal, self._ended = None, ""
+        self._goal, self.ended = None, ""
         self._route.go(self.left[0])
-
-    def outcome(self) -> str:
-        """Return the outcome, or continue with the next target."""
-        return self.proceed() if self._ended == SUCCEEDED else self._ended
 
     def see(self, event: Event) -> None:
         """Follow the events of the person."""
-        if event.get("person") != self._route.person.name or self._ended:
+        if event.get("person") != self._route.person.name or self.ended:
             return
         match event["kind"]:
             case "goal" if self._goal is None:
                 self._goal = event["at"]
             case "goal" if event["at"] != self._goal:
-                self._ended = "failed: another goal replaced it"
+                self.ended = "failed: another goal replaced it"
             case "arrived" if self._goal is not None:
-                self._ended = SUCCEEDED
+                self.ended = SUCCEEDED
             case "path_blocked" if self._goal is not None:
-                self._ended = f"failed: {event['message']}"
+                self.ended = f"failed: {event['message']}"
             case "teleport" | "left":
-                self._ended = f"failed: {event['kind']}"
+                self.ended = f"failed: {event['kind']}"
 
     def stop(self) -> None:
         """Stop the person."""

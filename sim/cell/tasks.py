@@ -32,14 +32,12 @@ class Journey(ABC):
 
     body: Body
     left: list[Target]
+    ended = ""
+    """Outcome of the way to the first target, or nothing while it is under way."""
 
     @abstractmethod
     def begin(self) -> None:
         """Set out. `ValueError` or `PlanningError` if that is impossible."""
-
-    @abstractmethod
-    def outcome(self) -> str:
-        """Return "succeeded" or "failed: why" once it has ended, and continue until then."""
 
     @abstractmethod
     def stop(self) -> None:
@@ -48,8 +46,10 @@ class Journey(ABC):
     def see(self, event: Event) -> None:  # noqa: B027 (few journeys need events)
         """Handle an event of the run, by default not at all."""
 
-    def proceed(self) -> str:
-        """Set out for the next target, and return the outcome if there is none."""
+    def outcome(self) -> str:
+        """Return "succeeded" or "failed: why" once it has ended, and continue until then."""
+        if self.ended != SUCCEEDED:
+            return self.ended
         self.left.pop(0)
         if not self.left:
             return SUCCEEDED

@@ -119,17 +119,12 @@ class LaneDrive(Drive):
     @override
     def destination(self, target: Sequence[float]) -> Pose:
         x, y, *rotation = target
-        q, beside = self._along((x, y))
+        q = self.lane.along((x, y))
+        beside = math.dist(self.lane.position(q), (x, y))
         turn = math.remainder(rotation[0] - self.lane.heading, math.tau) if rotation else 0.0
         if beside > ON_LANE or abs(turn) > ON_LANE:
             raise UserError(f"{self.lane.name} cannot leave its lane for {(*target,)}")
         return (*self.lane.position(self.lane.lane_position(q)), self.lane.heading)
-
-    def _along(self, at: Point) -> tuple[float, float]:
-        """Return the lane position of a point, and its distance from the line of the lane (m)."""
-        (c, s), (ox, oy) = self.lane.direction, self.lane.origin
-        dx, dy = at[0] - ox, at[1] - oy
-        return dx * c + dy * s, abs(dy * c - dx * s)
 
     @override
     def move(
@@ -140,7 +135,7 @@ class LaneDrive(Drive):
         resume: bool = True,
         command: int | None = None,
     ) -> Event:
-        return self.go(self._along(target[:2])[0], speed_share, resume=resume)
+        return self.go(self.lane.along(target[:2]), speed_share, resume=resume)
 
     def go(self, to: str | float, speed_share: float = 1.0, *, resume: bool = True) -> Move:
         """Start to move to a location or a lane position (m). Return the end of the move."""
@@ -170,7 +165,7 @@ class LaneDrive(Drive):
 
     @override
     def _planned(self, target: tuple[float, ...], speed_share: float) -> Motion:
-        return self.run_to(self._along((target[0], target[1]))[0], speed_share)
+        return self.run_to(self.lane.along((target[0], target[1])), speed_share)
 
     def run_to(self, to: str | float, speed_share: float = 1.0) -> Motion:
         """Return the run from the present state to a location or a lane position (m)."""

@@ -44,8 +44,7 @@ def part_behind(lane: Lane, gate: Gate, at: float, to: float) -> Span | None:
     crossing = shapely.intersection(course, shapely.linestrings(gate.ends))
     if crossing.is_empty:
         return None
-    (x, y), (ox, oy) = shapely.get_coordinates(crossing)[0], lane.origin
-    q = float((x - ox) * c + (y - oy) * s)
+    q = float(lane.along(shapely.get_coordinates(crossing)[0]))
     # A box at an angle to a line reaches it by half its length, and by half its width times the
     # tangent of the angle between the lane and the direction of the gate.
     reach = (lane.length + abs(ny * c - nx * s) / abs(ahead) * lane.width) / 2
