@@ -8,10 +8,10 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from floorplan import UserError
 from floorplan.files.problems import suggestion
 
-from ..cell import CellCommand, CellTask, Rejected
+from ..competition.messages import seconds
+from ..competition.transport import Heard, RefusedError, Values
 from . import protocol
 from .client import ADVERTISED, Client, Subscription
 from .messages import (
@@ -22,7 +22,6 @@ from .messages import (
     canonical,
     conform,
     message_type,
-    seconds,
 )
 from .protocol import ProtocolError
 
@@ -33,32 +32,9 @@ MOST_CALLS = 100
 """Number of service calls of one client at the same time."""
 
 
-class RefusedError(UserError):
-    """Rejected request of a client, which gets the reason."""
-
-
-Values = dict[str, Any]
-"""Fields of a message, a request or an answer by name."""
-
-Heard = Callable[[Values, str], None]
-"""Takes a message and the name of the client that published it. It may raise `RefusedError`."""
-
 Answer = Values | Coroutine[Any, Any, Values]
 Serve = Callable[[Client, Values], Answer]
 """Answers a request of a client. It may raise `RefusedError`."""
-
-
-def take(topic: str, port: CellCommand | CellTask, value: Any, source: str) -> Any:
-    """Pass a value from a topic to a command or task of the cell, and return the running task.
-
-    `RefusedError` names the topic and the value if it is rejected.
-    """
-    try:
-        if isinstance(port, CellTask):
-            return port.start(value, source)
-        port.take(value, source)
-    except Rejected as why:
-        raise RefusedError(str(why.named(topic))) from None
 
 
 @dataclass(eq=False)
@@ -141,6 +117,8 @@ class Exchange:
 
     def publish(self, topic: Topic, message: Values) -> None:
         """Send a message of the simulation to every subscriber of its topic."""
+        if topic.kept.maxlen:  # such messages are rare, and may omit fields
+            message = conform(topic.type, message)
         if topic.is_needed:
             self._spread(topic, protocol.publication(topic.name, message))
 

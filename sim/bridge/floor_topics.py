@@ -9,8 +9,9 @@ from functools import partial
 from ..cell import Cell, CellCommand, CellTask, Pose, Scan, Signal, Velocity
 from ..cell.names import plain, prefix_of
 from ..cell.signals import SCANS
-from .exchange import Exchange, Topic, Values, take
-from .messages import about_z, seconds, vector
+from ..competition import Values, take
+from ..competition.messages import about_z, seconds, vector
+from .exchange import Exchange, Topic
 
 STRING, GOAL = "std_msgs/String", "geometry_msgs/PoseStamped"
 

@@ -13,21 +13,7 @@ import bdi
 from floorplan import Point
 from navigation import CollisionWorld, PathPlanner, PlanningError
 
-from ..core.rules import Notice
-from ..core.scenario import PersonEntry, Scenario
-from ..people.actions import MindError
-from ..people.minds import Mind, make_agent
-from ..people.perception import Percepts
-from ..people.programs import EXTERNAL
-from .connection import (
-    FIRST_RETRY,
-    LAST_RETRY,
-    ConnectError,
-    LostError,
-    RosbridgeConnection,
-    ServiceError,
-)
-from .human_topics import (
+from ..competition.human_topics import (
     ACTION,
     BLOCKED,
     BOOL,
@@ -42,8 +28,23 @@ from .human_topics import (
     STRING,
     UNSAFE,
 )
-from .messages import NOWHERE
-from .workcell import ENDED, BridgeError
+from ..competition.messages import NOWHERE
+from ..competition.topics import ENDED
+from ..core.rules import Notice
+from ..core.scenario import PersonEntry, Scenario
+from ..people.actions import MindError
+from ..people.minds import Mind, make_agent
+from ..people.perception import Percepts
+from ..people.programs import EXTERNAL
+from .connection import (
+    FIRST_RETRY,
+    LAST_RETRY,
+    ConnectError,
+    LostError,
+    RosbridgeConnection,
+    ServiceError,
+)
+from .workcell import BridgeError
 
 _REPETITION = 0.5
 """Seconds. A violation that is repeated within this time is the same one."""

@@ -11,8 +11,9 @@ from small_floors import WORKCELL, on_floor
 
 import navigation
 import sim
-from sim.bridge.exchange import Exchange, RefusedError
+from sim.bridge.exchange import Exchange
 from sim.bridge.workcell import Workcell
+from sim.competition import RefusedError
 
 TRIAL = on_floor(
     WORKCELL,

@@ -13,7 +13,6 @@ import floorplan
 from navigation import standing
 from navigation.motion import State
 from sim.bridge.client import MOST_REPLIES, Outbox, TopicQueue
-from sim.bridge.machine_topics import trajectory_of
 from sim.bridge.messages import (
     JOINTS,
     MESSAGES,
@@ -36,6 +35,7 @@ from sim.bridge.protocol import (
     fragments,
 )
 from sim.cell.trajectories import TrajectoryError, motion_along, pose_of, target_in
+from sim.competition.machine_topics import trajectory_of
 from sim.orders.workload import AssemblyTask, CombinedTask, KittingTask, Order, PartType
 
 JSON = st.recursive(
