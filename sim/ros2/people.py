@@ -99,7 +99,8 @@ class People:
         if last is not None and now > last:
             self._advance(now - last)
         elif last is not None and now < last:
-            self._ros.warn("compute_agents", f"the clock went back from {last:g} to {now:g} s")
+            line = f"the clock went back from {last:g} to {now:g} s"
+            self._ros.warn("compute_agents", line, "clock")
         self._fill_agents(response.updated_agents)
         response.updated_agents.header = request.current_agents.header
         return response

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from contextlib import redirect_stdout
 from functools import partial
 from io import StringIO
+from typing import Any
 
 import rclpy
 from rclpy.exceptions import NameValidationException
@@ -18,7 +19,8 @@ from floorplan import UserError
 
 from ..cell import Cell, Pace
 from ..cell.names import plain, prefix_of
-from ..competition import CompetitionTopics, GantryTopics
+from ..competition import CompetitionTopics, GantryTopics, Values
+from ..competition.topics import ENDED, STARTED
 from ..simulation import Simulation
 from .actions import Action
 from .control import Control
@@ -51,6 +53,8 @@ LAST_WAIT = 0.5
 
 DIAGNOSTICS = 1
 """Hz: the rate of diagnostics."""
+
+TRIGGER = "std_srvs/Trigger"
 
 
 LAST_DOMAIN = 232
@@ -143,8 +147,10 @@ class _RosServer:
             *(vehicle.publish_odometry for vehicle in self._vehicles),
         ]
         transport = RosTransport(ros)
-        competition = CompetitionTopics(cell, transport)
-        publishers = [competition.publish]
+        self._competition = CompetitionTopics(cell, transport)
+        transport.provide("/ariac/start_competition", TRIGGER, self._answer_start)
+        transport.provide("/ariac/end_competition", TRIGGER, self._end)
+        publishers = [self._competition.publish]
         actions: list[Action] = []
         self._actions = actions
         if simulation.gantry is not None:
@@ -171,6 +177,9 @@ class _RosServer:
         with redirect_stdout(StringIO()):  # rclpy prints that many actions may be inefficient
             self._executor.add_node(node)
             self._executor.spin_once(timeout_sec=0.0)
+        self._competition.enter(STARTED)
+        for event in simulation.events:
+            cell.signals["events"].send(event)
         _publish(self._state)
         self._pace.every(1 / RATE, partial(_publish, self._state))
         self._pace.every(1 / SLOWLY, partial(_publish, slowly))
@@ -194,12 +203,20 @@ class _RosServer:
                 self._ros.warn("speed", f"this machine is too slow for --speed {pace.speed:g}")
         self._cell.update()
         _publish(self._state)
+        self._competition.enter(ENDED)
         last = time.monotonic()
         if any(action.is_busy for action in self._actions):
             last += LAST_WAIT
         while time.monotonic() < last:
             self._executor.spin_once(timeout_sec=LONGEST_WAIT)
         pace.check()
+
+    def _answer_start(self, _: Any, __: Values) -> Values:
+        return {"success": True, "message": "it has been started already"}
+
+    def _end(self, _: Any, __: Values) -> Values:
+        self._pace.end()
+        return {"success": True, "message": f"ended at t = {self._cell.now:g} s"}
 
     def _look(self) -> None:
         """React to publishers that have come or gone."""
@@ -212,6 +229,7 @@ class _RosServer:
         """Begin the run again, with another simulation."""
         assert self._restart is not None
         at = self._cell.now
+        self._competition.enter(STARTED)
         self._cell.continue_with(self._restart())
         self._ros.notice(f"reset at t = {at:g} s: the clock starts again")
         _publish(self._state)

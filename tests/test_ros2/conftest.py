@@ -73,7 +73,7 @@ class Ros:
 
 @pytest.fixture
 def ros(tmp_path, request):
-    """Processes of a domain that no other process of pytest uses; skips without rclpy or messages."""
+    """Processes of a domain of this process of pytest; skips without rclpy or messages."""
     if not READY.exists():
         pytest.skip(f"{READY} does not exist: run tests/test_ros2/environment.sh {FOLDER}")
     for marker in request.node.iter_markers("messages"):
