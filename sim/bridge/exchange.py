@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 
 from ..cell import CellCommand, CellTask, Rejected

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 from floorplan import Floorplan, Gantry, Lane, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 from navigation.machines import lane_state
 from navigation.motion import State
