@@ -108,8 +108,14 @@ LEVELS: tuple[Level, ...] = ("none", "error", "warning", "info")
 """Levels of status messages, from none to all."""
 
 
-class ProtocolError(UserError):
-    """Message that is no operation of the protocol. `id` is its id, if it has one."""
+class RefusedError(UserError):
+    """Rejected request of a client, which gets the reason. `id` is its id, if it is known."""
+
+    id: str | int | None = None
+
+
+class ProtocolError(RefusedError):
+    """Message that is no operation of the protocol."""
 
     def __init__(self, message: str, id: str | int | None = None) -> None:
         super().__init__(message)

@@ -13,13 +13,14 @@ from ..cell import Pace
 from ..live.live_run import LiveRun
 from ..live.page_server import Origins
 from ..simulation import Simulation
-from .client import Client
-from .exchange import Exchange, RefusedError, provide_rosapi
-from .machine_topics import TRAJECTORY
+from .client import Client, done_within
+from .competition import ENDED, STARTED, TRAJECTORY
+from .exchange import Exchange
+from .protocol import RefusedError
+from .rosapi import provide_rosapi
 from .server import RosbridgeServer, listen_at
 from .uplink import Uplink
-from .waiting import done_within
-from .workcell import ENDED, STARTED, BridgeError, Workcell
+from .workcell import BridgeError, Workcell
 
 PERIOD = 0.1
 """Seconds of real time between two requests of the page that are carried out."""
@@ -171,7 +172,7 @@ class Session:
         if not self._pace.speed:
             raise BridgeError("speed must be more than 0 through another rosbridge server")
         self.server = self._uplink = Uplink(
-            self._exchange, url, notice=self._notice, changed=self._changed.set
+            self._exchange, url, notice=self._notice, changed=self._changed.set, failed=self._fail
         )
         await self._uplink.open()
 

@@ -8,25 +8,18 @@ from floorplan import UserError
 
 from ..cell import Cell, Pace
 from ..core.body import Body
-from ..core.recorder import Event, Listener
-from ..orders.workload import Workload
+from ..core.recorder import Listener
 from ..people.minds import Outside
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
 from ..trials.trial import Trial
+from .body_topics import add_body_topics, topics_of
+from .competition import COMMANDS, READY, START, HumanTopics, PhaseTopics, add_agv, add_gantry
 from .exchange import Exchange
-from .floor_topics import FloorTopics
-from .human_topics import COMMANDS, START, HumanTopics
-from .machine_topics import AgvTopics, GantryTopics
-from .messages import human_state, order_message, seconds, transforms
-
-READY, STARTED, ANNOUNCED, ENDED = 1, 2, 3, 4
-"""Phases of ariac_msgs/CompetitionState. ANNOUNCED: started, and all orders are announced."""
+from .messages import Message, about_z, header, seconds, vector
 
 RATE = 10.0
 """Hz, in simulated time. Rate at which the state is published."""
-
-_MOST_ORDERS = 1000
 
 
 class BridgeError(UserError):
@@ -59,6 +52,8 @@ class Workcell:
         Topics that the agent of each external person subscribes to, and publishes on.
     needs_controller : bool
         Whether clients control the gantry.
+    enter : callable
+        Function that publishes a phase of the competition.
     notice : callable
         Function for lines that the user should read.
     repeats : bool
@@ -72,37 +67,28 @@ class Workcell:
         for person in simulation.people:
             person.walker.prepare()  # so that clients need not wait for the planner later
         self._exchange = exchange
-        self._floor = trial.floorplan
-        self._orders = exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=_MOST_ORDERS)
-        self._phase = exchange.advertise(
-            "/ariac/competition_state", "ariac_msgs/CompetitionState", latched=1
-        )
-        orders = trial.workload.orders if isinstance(trial.workload, Workload) else ()
-        self._unannounced = {order.id: order for order in orders}
         self._published_at = -1.0
         self.cell = cell = Cell(simulation, notice=lambda text: self.notice(text))
         driven = driven_person(trial)
         self.person = None if driven is None else simulation.people[driven]
         self.external = tuple(p for p in simulation.people if isinstance(p.mind, Outside))
         self.needs_controller = False
-        self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
-        self._tf = exchange.advertise("/tf", "tf2_msgs/TFMessage")
-        self._state = exchange.advertise("/ariac_human/state", "ariac_msgs/HumanState")
-        self._agvs = AgvTopics(simulation.agvs, cell, exchange)
-        self._gantry: GantryTopics | None = None
+        exchange.advertise("/clock", "rosgraph_msgs/Clock", lambda: {"clock": seconds(self.now)})
+        self._human = None if self.person is None else HumanTopics(self.person, cell, exchange)
+        for agv in simulation.agvs:
+            add_agv(agv, cell, exchange)
         if simulation.gantry is not None:
             self.needs_controller = trial.gantry.controller == EXTERNAL
-            self._gantry = GantryTopics(
-                simulation.gantry, cell, exchange, driven=self.needs_controller
-            )
-        self._human = None if self.person is None else HumanTopics(self.person, cell, exchange)
-        self._all = FloorTopics(cell, exchange)
-        self.agents = {one.name: self._all.topics_of(one.name) for one in self.external}
+            add_gantry(simulation.gantry, cell, exchange, driven=self.needs_controller)
+        add_body_topics(cell, exchange)
+        self.agents = {one.name: topics_of(one.name) for one in self.external}
         if self.person in self.external:
             heard, commanded = self.agents[self.person.name]
             self.agents[self.person.name] = heard | {START}, commanded | COMMANDS.keys()
         self._frames = self._named_frames()
-        cell.signals["events"].watch(self._announce)
+        exchange.advertise("/tf", "tf2_msgs/TFMessage", self._transforms)
+        phases = PhaseTopics(cell, exchange)
+        self.enter = phases.enter
         self.follow(cell.pace)
         self.enter(READY)
         for event in simulation.events:
@@ -122,40 +108,16 @@ class Workcell:
 
     def publish(self) -> None:
         """Publish the present state, once at each time."""
-        exchange, simulation, now = self._exchange, self.simulation, self.now
-        if now == self._published_at:
+        if self.now == self._published_at:
             return
-        self._published_at = now
-        exchange.publish(self._clock, {"clock": seconds(now)})
-        if self._state.is_needed and self.person is not None:
-            gantry = simulation.gantry
-            robot = gantry.state if gantry else None
-            height = gantry.gantry.rail_height if gantry else 0.0
-            exchange.publish(self._state, human_state(self.person.walker.body.state, robot, height))
+        self._published_at = self.now
+        self._exchange.publish_state()
         if self.repeats and self._human is not None:
             self._human.repeat()
-        self._agvs.publish()
-        if self._gantry is not None:
-            self._gantry.publish(now)
-        self._all.publish(now)
-        if self._tf.is_needed:
-            exchange.publish(self._tf, transforms(now, self._frames))
 
     def _publish_before_decision(self) -> None:
         if self.cell.has_decision:
             self.publish()
-
-    def enter(self, phase: int) -> None:
-        """Publish that the competition enters a phase."""
-        self._exchange.publish(self._phase, {"competition_state": phase})
-
-    def _announce(self, event: Event) -> None:
-        """Publish an order that is announced."""
-        if event["kind"] == "order_announced":
-            order = self._unannounced.pop(event["order"])
-            self._exchange.publish(self._orders, order_message(order, self._floor))
-            if not self._unannounced:
-                self.enter(ANNOUNCED)
 
     def _named_frames(self) -> list[tuple[str, Body, float]]:
         """Return the frames of person, gantry, AGVs and all others, with heights in metres."""
@@ -169,6 +131,22 @@ class Workcell:
         listed = {body for _, body, _ in frames}
         others = [body for body in simulation.bodies if body not in listed]
         return [*frames, *((f"{body.name}/base_link", body, 0.0) for body in others)]
+
+    def _transforms(self) -> Message:
+        """Return tf2_msgs/TFMessage from the world to all frames."""
+        return {
+            "transforms": [
+                {
+                    "header": header(self.now),
+                    "child_frame_id": name,
+                    "transform": {
+                        "translation": vector(body.state.position, height),
+                        "rotation": about_z(body.state.position[2]),
+                    },
+                }
+                for name, body, height in self._frames
+            ]
+        }
 
 
 def driven_person(trial: Trial) -> int | None:

@@ -13,18 +13,8 @@ import floorplan
 from navigation import standing
 from navigation.motion import State
 from sim.bridge.client import MOST_REPLIES, Outbox, TopicQueue
-from sim.bridge.machine_topics import trajectory_of
-from sim.bridge.messages import (
-    JOINTS,
-    MESSAGES,
-    MessageError,
-    UnknownTypeError,
-    conform,
-    joint_state,
-    joint_values,
-    message_type,
-    order_message,
-)
+from sim.bridge.competition import joint_state, order_message, trajectory_of
+from sim.bridge.messages import MESSAGES, MessageError, UnknownTypeError, conform, message_type
 from sim.bridge.protocol import (
     Account,
     Fragment,
@@ -35,7 +25,14 @@ from sim.bridge.protocol import (
     decode,
     fragments,
 )
-from sim.cell.trajectories import TrajectoryError, motion_along, pose_of, target_in
+from sim.cell.trajectories import (
+    JOINTS,
+    TrajectoryError,
+    joint_values,
+    motion_along,
+    pose_of,
+    target_in,
+)
 from sim.orders.workload import AssemblyTask, CombinedTask, KittingTask, Order, PartType
 
 JSON = st.recursive(
