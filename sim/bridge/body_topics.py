@@ -8,8 +8,9 @@ from functools import partial
 from ..cell import Cell, CellTask, Pose, Scan, Signal, Velocity
 from ..cell.names import plain, prefix_of
 from ..cell.signals import SCANS
+from ..competition.messages import about_z, header, vector
+from ..competition.transport import Values
 from .exchange import Exchange, Topic
-from .messages import Message, about_z, header, vector
 
 STRING = "std_msgs/String"
 
@@ -57,7 +58,7 @@ def _add_signals(cell: Cell, exchange: Exchange, body: str, prefix: str) -> None
 def _add_inputs(cell: Cell, exchange: Exchange, body: str, prefix: str) -> None:
     if (twist := cell.commands.get(f"{body}/twist")) is not None:
 
-        def drive(message: Message, source: str) -> None:
+        def drive(message: Values, source: str) -> None:
             velocity = message.get("twist", message)
             linear, turn = velocity["linear"], velocity["angular"]["z"]
             twist.take((linear["x"], linear["y"], turn), source)
@@ -72,7 +73,7 @@ def _add_inputs(cell: Cell, exchange: Exchange, body: str, prefix: str) -> None:
         exchange.listen(f"{prefix}goal_pose", "geometry_msgs/PoseStamped", go)
 
 
-def _go(task: CellTask, ended: partial[None], message: Message, source: str) -> None:
+def _go(task: CellTask, ended: partial[None], message: Values, source: str) -> None:
     """Start a task at a goal, and publish its result."""
     position, turn = message["pose"]["position"], message["pose"]["orientation"]
     heading = 2 * math.atan2(turn["z"], turn["w"]) if any(turn.values()) else 0.0
@@ -83,11 +84,11 @@ def _send_text(exchange: Exchange, topic: Topic, text: str) -> None:
     exchange.publish(topic, {"data": text})
 
 
-def _pose(pose: Pose) -> Message:
+def _pose(pose: Pose) -> Values:
     return {"position": vector((pose.x, pose.y)), "orientation": about_z(pose.heading)}
 
 
-def _odometry(cell: Cell, frame: str, pose: Signal, velocity: Signal) -> Message | None:
+def _odometry(cell: Cell, frame: str, pose: Signal, velocity: Signal) -> Values | None:
     """Return nav_msgs/Odometry, with the velocity in the frame of the body."""
     here: Pose | None = pose.read()
     if here is None:
@@ -102,7 +103,7 @@ def _odometry(cell: Cell, frame: str, pose: Signal, velocity: Signal) -> Message
     }
 
 
-def _laser_scan(cell: Cell, frame: str, signal: Signal) -> Message:
+def _laser_scan(cell: Cell, frame: str, signal: Signal) -> Values:
     """Return sensor_msgs/LaserScan. JSON has no infinity, so it is the range where nothing is."""
     scan: Scan = signal.read()
     return {

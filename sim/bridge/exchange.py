@@ -12,10 +12,11 @@ from typing import Any
 from floorplan.files.problems import suggestion
 
 from ..cell import Rejected
+from ..competition.transport import Heard, RefusedError, Values
 from . import protocol
 from .client import ADVERTISED, Client, Subscription
-from .messages import Message, MessageError, MessageType, canonical, conform, message_type
-from .protocol import ProtocolError, RefusedError
+from .messages import MessageError, MessageType, canonical, conform, message_type
+from .protocol import ProtocolError
 
 MOST_TOPICS = 1000
 """Number of topics that all clients may create, and to which one may subscribe."""
@@ -24,11 +25,8 @@ MOST_CALLS = 100
 """Number of service calls of one client at the same time."""
 
 
-Heard = Callable[[Message, str], object]
-"""Takes a message and the name of the client that published it. It may raise `RefusedError`."""
-
-Answer = Message | Coroutine[Any, Any, Message]
-Serve = Callable[[Client, Message], Answer]
+Answer = Values | Coroutine[Any, Any, Values]
+Serve = Callable[[Client, Values], Answer]
 """Answers a request of a client. It may raise `RefusedError`."""
 
 
@@ -44,7 +42,7 @@ class Topic:
     type: MessageType
     ours: bool = False
     heard: Heard | None = None
-    read: Callable[[], Message | None] | None = None
+    read: Callable[[], Values | None] | None = None
     kept: deque[str] = field(default_factory=lambda: deque(maxlen=0))
     subscriptions: dict[Client, Subscription] = field(default_factory=dict)
     publishers: set[Client] = field(default_factory=set)
@@ -90,7 +88,7 @@ class Exchange:
         self,
         name: str,
         type_: str,
-        read: Callable[[], Message | None] | None = None,
+        read: Callable[[], Values | None] | None = None,
         *,
         heard: Heard | None = None,
         latched: int = 0,
@@ -120,8 +118,10 @@ class Exchange:
             name, MessageType(canonical(type_, "srv"), dict(request or {})), answer
         )
 
-    def publish(self, topic: Topic, message: Message) -> None:
+    def publish(self, topic: Topic, message: Values) -> None:
         """Send a message of the simulation to every subscriber of its topic."""
+        if topic.kept.maxlen:  # such messages are rare, and may omit fields
+            message = conform(topic.type, message)
         if topic.is_needed:
             self._spread(topic, protocol.publication(topic.name, message))
 
@@ -138,8 +138,10 @@ class Exchange:
             operation = protocol.decode(text)
             id = operation.id
             self._perform(client, operation)
-        except RefusedError as why:
+        except ProtocolError as why:
             client.report("error", str(why), id if why.id is None else why.id)
+        except RefusedError as why:
+            client.report("error", str(why), id)
 
     def forget(self, client: Client) -> None:
         """End all calls, subscriptions and announcements of a client that has gone."""
@@ -308,7 +310,7 @@ class Exchange:
             return service.answer(client, conform(service.type, arguments))
 
     async def _await(
-        self, client: Client, request: protocol.CallService, answer: Coroutine[Any, Any, Message]
+        self, client: Client, request: protocol.CallService, answer: Coroutine[Any, Any, Values]
     ) -> None:
         try:
             with _rejecting(request.service):
@@ -316,11 +318,9 @@ class Exchange:
         except RefusedError as why:
             self._respond(client, request, str(why))
 
-    def _respond(
-        self, client: Client, request: protocol.CallService, values: Message | str
-    ) -> None:
+    def _respond(self, client: Client, request: protocol.CallService, values: Values | str) -> None:
         """Send the values of an answer, or the reason of a failure."""
-        response: Message = {
+        response: Values = {
             "op": "service_response",
             "service": request.service,
             "values": values,

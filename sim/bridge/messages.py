@@ -1,4 +1,4 @@
-"""ROS messages: types, validation, and the parts that many messages have.
+"""ROS messages: their types, and validation.
 
 Types are written as in .msg files: one line per type, with its fields in order. They are from
 std_msgs, geometry_msgs, nav_msgs, sensor_msgs, trajectory_msgs, tf2_msgs, rosgraph_msgs,
@@ -8,13 +8,12 @@ builtin_interfaces and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_m
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from floorplan.files.problems import suggestion
 
-from .protocol import RefusedError
+from ..competition.transport import RefusedError
 
 _MESSAGES = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec
@@ -205,27 +204,3 @@ def _types(text: str) -> dict[str, MessageType]:
 
 
 MESSAGES = _types(_MESSAGES)
-
-
-Message = dict[str, Any]
-
-
-def seconds(t: float) -> Message:
-    """Return a time or duration (builtin_interfaces)."""
-    whole, nanoseconds = divmod(round(t * 1e9), 1_000_000_000)
-    return {"sec": whole, "nanosec": nanoseconds}
-
-
-def header(t: float, frame: str = "world") -> Message:
-    """Return std_msgs/Header of a time (s) and a frame."""
-    return {"stamp": seconds(t), "frame_id": frame}
-
-
-def vector(xyz: Sequence[float], z: float = 0.0) -> Message:
-    """Return geometry_msgs/Point or Vector3. `z` replaces the third number, a rotation."""
-    return {"x": xyz[0], "y": xyz[1], "z": z}
-
-
-def about_z(angle: float) -> Message:
-    """Return geometry_msgs/Quaternion of a rotation about the z axis (rad)."""
-    return {"x": 0.0, "y": 0.0, "z": math.sin(angle / 2), "w": math.cos(angle / 2)}

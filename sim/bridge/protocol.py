@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic_core import from_json
 
-from floorplan import UserError
+from ..competition.transport import RefusedError
 
 _PLACE = 100
 """Bytes. Memory of a place in a queue, without the text."""
@@ -108,14 +108,8 @@ LEVELS: tuple[Level, ...] = ("none", "error", "warning", "info")
 """Levels of status messages, from none to all."""
 
 
-class RefusedError(UserError):
-    """Rejected request of a client, which gets the reason. `id` is its id, if it is known."""
-
-    id: str | int | None = None
-
-
 class ProtocolError(RefusedError):
-    """Message that is no operation of the protocol."""
+    """Message that is no operation of the protocol. `id` is its id, if it has one."""
 
     def __init__(self, message: str, id: str | int | None = None) -> None:
         super().__init__(message)

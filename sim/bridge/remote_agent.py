@@ -13,28 +13,28 @@ import bdi
 from floorplan import Point
 from navigation import CollisionWorld, PathPlanner, PlanningError
 
+from ..competition.human_topics import (
+    ACTION,
+    BLOCKED,
+    COMMANDS,
+    DETECTED,
+    GO_HOME,
+    GOAL,
+    PERCEPT_TOPICS,
+    PERCEPTS,
+    STOP,
+)
+from ..competition.messages import NOWHERE
+from ..competition.topics import ENDED
+from ..competition.transport import Values
 from ..core.rules import Notice
 from ..core.scenario import PersonEntry, Scenario
 from ..people.actions import MindError
 from ..people.minds import Mind, make_agent
 from ..people.perception import Percepts
 from ..people.programs import EXTERNAL
-from .competition import (
-    ACTION,
-    BLOCKED,
-    COMMANDS,
-    DETECTED,
-    ENDED,
-    GO_HOME,
-    GOAL,
-    NOWHERE,
-    PERCEPT_TOPICS,
-    PERCEPTS,
-    STOP,
-)
 from .exchange import Exchange
-from .messages import Message
-from .uplink import Link, LostError, ServiceError, connected_to, connections
+from .uplink import LostError, ServerLink, ServiceError, connected_to, connections
 from .workcell import BridgeError
 
 _REPETITION = 0.5
@@ -110,7 +110,7 @@ class RemotePerson:
             if topic in offered or topic != ACTION
         }
 
-    def _hear(self, topic: str, message: Message, _: str) -> None:
+    def _hear(self, topic: str, message: Values, _: str) -> None:
         percept = _PERCEPT_OF.get((topic, message["data"]))
         if percept == "human_start":
             self._start()
@@ -159,7 +159,7 @@ class RemotePerson:
         self._quiet_until = now + (self._rules.report_every or pause)
         return False
 
-    def _see(self, state: Message, _: str) -> None:
+    def _see(self, state: Values, _: str) -> None:
         self._at = _place(state["human_position"])
         gantry = _place(state["robot_position"])
         self._gantry = None if gantry == _place(NOWHERE) else gantry
@@ -170,7 +170,7 @@ class RemotePerson:
         if self._noticing.see(self._now(), distance, *speeds):
             self._take("gantry_detected")
 
-    def _place_agv(self, name: str, status: Message, _: str) -> None:
+    def _place_agv(self, name: str, status: Values, _: str) -> None:
         low, high = self._lanes[name].limits
         self._world.move_agv(name, min(max(status["position"], low), high))
 
@@ -270,7 +270,7 @@ class SampledNotice:
         self._before = math.inf
 
 
-def _place(point: Message) -> Point:
+def _place(point: Values) -> Point:
     return (point["x"], point["y"])
 
 
@@ -332,12 +332,12 @@ class RemoteAgent:
         async for socket in connections(first, self._url, self._notice):
             exchange = Exchange()
             with suppress(LostError):
-                async with Link(socket, exchange, self._complain) as link:
+                async with ServerLink(socket, exchange, self._complain) as link:
                     await self._drive(link, exchange)
             if self._ended:
                 return
 
-    async def _drive(self, link: Link, exchange: Exchange) -> None:
+    async def _drive(self, link: ServerLink, exchange: Exchange) -> None:
         topics = await _listed(link, "topics")
         services = await _listed(link, "services")
         self._in_steps = "/floorwalker/advance" in services and await self._may_step(link)
@@ -352,14 +352,14 @@ class RemoteAgent:
         else:
             await self._go_along(link)
 
-    async def _may_step(self, link: Link) -> bool:
+    async def _may_step(self, link: ServerLink) -> bool:
         """Return whether the server advances on request. If so, it waits from now on."""
         with suppress(ServiceError):
             await link.call("/floorwalker/advance", {"until": -1.0})
             return True
         return False
 
-    async def _go_in_steps(self, link: Link) -> None:
+    async def _go_in_steps(self, link: ServerLink) -> None:
         while not self._ended:
             wakeup = self._agent.next_wakeup
             until = FOREVER if wakeup is None else wakeup
@@ -369,7 +369,7 @@ class RemoteAgent:
             if not self._ended:
                 self._agent.advance(self._now)
 
-    async def _go_along(self, link: Link) -> None:
+    async def _go_along(self, link: ServerLink) -> None:
         loop = asyncio.get_running_loop()
         begin = loop.time() - self._now
         self._think()
@@ -382,7 +382,7 @@ class RemoteAgent:
             self._now = max(self._now, loop.time() - begin)
             self._think()
 
-    def _tick(self, message: Message, _: str = "") -> None:
+    def _tick(self, message: Values, _: str = "") -> None:
         stamp = message["clock"]
         time = stamp["sec"] + stamp["nanosec"] / 1e9 + self._clock_ahead
         if time < self._now:
@@ -406,7 +406,7 @@ class RemoteAgent:
         self._did(self._now, action)
         return self._person.act(action)
 
-    def _enter(self, message: Message, _: str) -> None:
+    def _enter(self, message: Values, _: str) -> None:
         self._ended = self._ended or message["competition_state"] == ENDED
 
     def _pass_on_warning(self, entry: bdi.Entry) -> None:
@@ -417,7 +417,7 @@ class RemoteAgent:
         self._notice(f"{self._url} says: {text}")
 
 
-async def _listed(link: Link, what: str) -> list[str]:
+async def _listed(link: ServerLink, what: str) -> list[str]:
     """Return the names that a service of rosapi lists, none without rosapi."""
     try:
         names = (await link.call(f"/rosapi/{what}", {})).get(what)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from ..competition.messages import seconds
+from ..competition.transport import Values
 from .client import Client
 from .exchange import Exchange
-from .messages import MESSAGES, Message, MessageType, canonical, seconds
+from .messages import MESSAGES, MessageType, canonical
 
 _SINGLE = -1
 """Length of no array in rosapi_msgs/TypeDef. Arrays of any length have the length 0."""
@@ -21,7 +23,7 @@ def provide_rosapi(exchange: Exchange, now: Callable[[], float]) -> None:
     topics, services = exchange.topics, exchange.services
 
     def provide(
-        name: str, type_: str, answer: Callable[..., Message], argument: str | None = None
+        name: str, type_: str, answer: Callable[..., Values], argument: str | None = None
     ) -> None:
         """Add a service with at most one argument, a string."""
         exchange.provide(
@@ -31,25 +33,25 @@ def provide_rosapi(exchange: Exchange, now: Callable[[], float]) -> None:
             {argument: "string"} if argument else {},
         )
 
-    def type_in(listed: dict[str, Any], name: str) -> Message:
+    def type_in(listed: dict[str, Any], name: str) -> Values:
         return {"type": listed[name].type.name if name in listed else ""}
 
-    def of_type(listed: dict[str, Any], field: str, kind: str) -> Callable[[str], Message]:
-        def names(type: str) -> Message:
+    def of_type(listed: dict[str, Any], field: str, kind: str) -> Callable[[str], Values]:
+        def names(type: str) -> Values:
             full = canonical(type, kind)
             return {field: sorted(n for n, one in listed.items() if one.type.name == full)}
 
         return names
 
-    def all_topics() -> Message:
+    def all_topics() -> Values:
         names = sorted(topics)
         return {"topics": names, "types": [topics[name].type.name for name in names]}
 
-    def publishers(topic: str) -> Message:
+    def publishers(topic: str) -> Values:
         one = topics.get(topic)
         return {"publishers": _nodes(one.ours, one.publishers) if one else []}
 
-    def subscribers(topic: str) -> Message:
+    def subscribers(topic: str) -> Values:
         one = topics.get(topic)
         return {"subscribers": _nodes(one.heard, one.subscriptions) if one else []}
 
@@ -72,7 +74,7 @@ def _nodes(ours: object, clients: Iterable[Client]) -> list[str]:
     return [_US] * bool(ours) + sorted(client.name for client in clients)
 
 
-def _details(type: str) -> Message:
+def _details(type: str) -> Values:
     """Return the definitions of a type and all types in it."""
     names, defined = [canonical(type, "msg")], list[str]()
     for name in names:
@@ -83,7 +85,7 @@ def _details(type: str) -> Message:
     return {"typedefs": [_definition(MESSAGES[name]) for name in defined]}
 
 
-def _definition(type_: MessageType) -> Message:
+def _definition(type_: MessageType) -> Values:
     types = type_.fields.values()
     return {
         "type": type_.name,

@@ -19,9 +19,9 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
 from floorplan import UserError
 
+from ..competition.transport import Values
 from .client import Client
 from .exchange import Exchange
-from .messages import Message
 from .protocol import Account, Ledger, Level, encode
 
 ANSWER_WITHIN = 5.0
@@ -91,7 +91,7 @@ async def connections(
         delay = _FIRST_RETRY
 
 
-class Link(Client):
+class ServerLink(Client):
     """Client of another server, which serves the exchange there. Use it with `async with`.
 
     `complain(level, text, id)` is called with each status message of the server, and with faults of
@@ -108,10 +108,10 @@ class Link(Client):
         self._socket = socket
         self._exchange = exchange
         self._complain = complain
-        self._answers: dict[str, asyncio.Future[Message]] = {}
+        self._answers: dict[str, asyncio.Future[Values]] = {}
         self._numbers = itertools.count(1)
 
-    async def __aenter__(self) -> Link:
+    async def __aenter__(self) -> ServerLink:
         """Start to handle messages of the server."""
         self._sending = asyncio.create_task(self._send_all())
         self._reading = asyncio.create_task(self._read())
@@ -143,15 +143,15 @@ class Link(Client):
                 self._post(op="advertise_service", id=name, service=name, type=service.type.name)
 
     async def call(
-        self, service: str, arguments: Message, within: float | None = ANSWER_WITHIN
-    ) -> Message:
+        self, service: str, arguments: Values, within: float | None = ANSWER_WITHIN
+    ) -> Values:
         """Return the answer of a service.
 
         `ServiceError` if it fails or does not answer `within` a time (s, None for no limit).
         `LostError` if the connection breaks off.
         """
         id = f"call-{next(self._numbers)}"
-        answer: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        answer: asyncio.Future[Values] = asyncio.get_running_loop().create_future()
         self._answers[id] = answer
         self._post(op="call_service", id=id, service=service, args=arguments)
         try:
@@ -207,7 +207,7 @@ class Link(Client):
         else:
             self._exchange.take(self, text)
 
-    def _answer(self, response: Message) -> None:
+    def _answer(self, response: Values) -> None:
         call, values = self._answers.get(str(response.get("id"))), response.get("values")
         if call is None or call.done():
             return
@@ -244,7 +244,7 @@ class Uplink:
         failed: Callable[[Exception], None],
     ) -> None:
         self.url = url
-        self.clients: dict[Client, Link] = {}
+        self.clients: dict[Client, ServerLink] = {}
         self._exchange = exchange
         self._notice = notice
         self._changed = changed
@@ -276,7 +276,7 @@ class Uplink:
 
     async def _serve(self, first: ClientConnection) -> None:
         async for socket in connections(first, self.url, self._notice):
-            async with Link(socket, self._exchange, self._omit) as link:
+            async with ServerLink(socket, self._exchange, self._omit) as link:
                 link.offer(self._omitted)
                 self.clients[link] = link
                 self._changed()

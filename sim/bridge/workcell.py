@@ -7,6 +7,9 @@ from collections.abc import Callable
 from floorplan import UserError
 
 from ..cell import Cell, Pace
+from ..competition import CompetitionTopics, GantryTopics, Values
+from ..competition.human_topics import COMMANDS, START
+from ..competition.messages import about_z, header, seconds, vector
 from ..core.body import Body
 from ..core.recorder import Listener
 from ..people.minds import Outside
@@ -14,9 +17,7 @@ from ..people.programs import EXTERNAL
 from ..simulation import Simulation
 from ..trials.trial import Trial
 from .body_topics import add_body_topics, topics_of
-from .competition import COMMANDS, READY, START, HumanTopics, PhaseTopics, add_agv, add_gantry
 from .exchange import Exchange
-from .messages import Message, about_z, header, seconds, vector
 
 RATE = 10.0
 """Hz, in simulated time. Rate at which the state is published."""
@@ -44,16 +45,16 @@ class Workcell:
         The simulation, which is started.
     cell : Cell
         Signals, commands and tasks of the simulation.
+    competition : CompetitionTopics
+        Topics and services of the competition.
     person : Person or None
-        Person of the competition's topics: the first external one, or the first.
+        Person of the competition's topics.
     external : tuple of Person
         People who are driven from outside.
     agents : dict of str to tuple
         Topics that the agent of each external person subscribes to, and publishes on.
     needs_controller : bool
         Whether clients control the gantry.
-    enter : callable
-        Function that publishes a phase of the competition.
     notice : callable
         Function for lines that the user should read.
     repeats : bool
@@ -69,17 +70,13 @@ class Workcell:
         self._exchange = exchange
         self._published_at = -1.0
         self.cell = cell = Cell(simulation, notice=lambda text: self.notice(text))
-        driven = driven_person(trial)
-        self.person = None if driven is None else simulation.people[driven]
+        self.competition = CompetitionTopics(cell, exchange)
+        self.person = self.competition.person
         self.external = tuple(p for p in simulation.people if isinstance(p.mind, Outside))
-        self.needs_controller = False
-        exchange.advertise("/clock", "rosgraph_msgs/Clock", lambda: {"clock": seconds(self.now)})
-        self._human = None if self.person is None else HumanTopics(self.person, cell, exchange)
-        for agv in simulation.agvs:
-            add_agv(agv, cell, exchange)
-        if simulation.gantry is not None:
-            self.needs_controller = trial.gantry.controller == EXTERNAL
-            add_gantry(simulation.gantry, cell, exchange, driven=self.needs_controller)
+        self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
+        has_gantry = simulation.gantry is not None
+        self.needs_controller = has_gantry and trial.gantry.controller == EXTERNAL
+        self._gantry = GantryTopics(cell, exchange) if has_gantry else None
         add_body_topics(cell, exchange)
         self.agents = {one.name: topics_of(one.name) for one in self.external}
         if self.person in self.external:
@@ -87,10 +84,7 @@ class Workcell:
             self.agents[self.person.name] = heard | {START}, commanded | COMMANDS.keys()
         self._frames = self._named_frames()
         exchange.advertise("/tf", "tf2_msgs/TFMessage", self._transforms)
-        phases = PhaseTopics(cell, exchange)
-        self.enter = phases.enter
         self.follow(cell.pace)
-        self.enter(READY)
         for event in simulation.events:
             cell.signals["events"].send(event)
         self.publish()
@@ -111,9 +105,13 @@ class Workcell:
         if self.now == self._published_at:
             return
         self._published_at = self.now
+        self._exchange.publish(self._clock, {"clock": seconds(self.now)})
+        self.competition.publish()
+        if self._gantry is not None:
+            self._gantry.publish()
         self._exchange.publish_state()
-        if self.repeats and self._human is not None:
-            self._human.repeat()
+        if self.repeats:
+            self.competition.repeat()
 
     def _publish_before_decision(self) -> None:
         if self.cell.has_decision:
@@ -132,7 +130,7 @@ class Workcell:
         others = [body for body in simulation.bodies if body not in listed]
         return [*frames, *((f"{body.name}/base_link", body, 0.0) for body in others)]
 
-    def _transforms(self) -> Message:
+    def _transforms(self) -> Values:
         """Return tf2_msgs/TFMessage from the world to all frames."""
         return {
             "transforms": [
@@ -147,9 +145,3 @@ class Workcell:
                 for name, body, height in self._frames
             ]
         }
-
-
-def driven_person(trial: Trial) -> int | None:
-    """Return the index of the person of the topics: the first external one, or the first."""
-    external = [k for k, person in enumerate(trial.people) if person.personality == EXTERNAL]
-    return external[0] if external else (0 if trial.people else None)

@@ -23,7 +23,7 @@ from sim.bridge import Exchange, Workcell
 from sim.bridge.client import Client
 from sim.bridge.protocol import Account, Ledger
 from sim.bridge.remote_agent import RemotePerson
-from sim.bridge.uplink import Link
+from sim.bridge.uplink import ServerLink
 from sim.commands.agent import read_percepts
 from sim.core.clock import StandstillError
 from sim.people.tracks.tables import read_hdf5_tracks, read_jupedsim_tracks, read_parquet_tracks
@@ -173,7 +173,7 @@ def to_agent(path):
     async def take():
         trial = sim.Trial.parse(SERVED)
         exchange = Exchange()
-        link = Link(SimpleNamespace(send=None), exchange, lambda level, text, id: None)
+        link = ServerLink(SimpleNamespace(send=None), exchange, lambda level, text, id: None)
         RemotePerson(
             trial,
             trial.people[0],
