@@ -34,6 +34,7 @@ ROOMS = (
     ("runs",),
     ("simulation",),
     ("cell",),
+    ("competition",),
     ("live", "studies", "testing"),
     ("bridge", "gym", "ros2", "searches"),
     ("commands",),

@@ -89,6 +89,12 @@ class Admission:
         self._counts: dict[str, tuple[int, int]] = {}
         self._sources: dict[str, tuple[str, float]] = {}
 
+    def continue_with(self, simulation: Simulation) -> None:
+        """Admit values for another simulation from now on."""
+        self._clock = simulation.clock
+        self._counts.clear()
+        self._sources.clear()
+
     def admit(self, name: str, value: object, source: str = "") -> None:
         """Admit a value at the present time.
 

@@ -11,7 +11,7 @@ from .commands import CellCommand, commands_of
 from .journeys import journeys_of
 from .pace import Pace
 from .signals import Signal, signals_of
-from .tasks import OVER, REPLACED, CellTask, Running
+from .tasks import BEGUN_AGAIN, OVER, REPLACED, CellTask, Running
 
 
 class Cell:
@@ -54,25 +54,31 @@ class Cell:
         *,
         notice: Callable[[str], None] = lambda text: None,
     ) -> None:
-        simulation.start()
-        self.simulation = simulation
         self.admission = Admission(simulation, notice)
         self.has_decision = False
         """Whether an external person has something to decide on now."""
-        self.follow(pace or Pace(simulation, step=True))
-        self.signals: dict[str, Signal] = {one.name: one for one in signals_of(simulation)}
-        self.commands: dict[str, CellCommand] = {
-            one.name: one for one in commands_of(simulation, self.admission, self._interrupt)
-        }
-        self.tasks: dict[str, CellTask] = {
-            name: CellTask(name, self.admission, make, self.update, self._begin)
-            for name, make in journeys_of(simulation)
-        }
+        self.signals: dict[str, Signal] = {}
+        self.commands: dict[str, CellCommand] = {}
+        self.tasks: dict[str, CellTask] = {}
         self._running: dict[str, Running] = {}
         """Task under way of each person and machine."""
+        self._bind(simulation)
+        self.follow(pace or Pace(simulation, step=True))
         self._states = [one for name, one in self.signals.items() if name.endswith("/state")]
         self._sent = {one: one.read() for one in self._states}
         self._events = len(simulation.events)
+
+    def _bind(self, simulation: Simulation) -> None:
+        """Read and command a simulation, which is started."""
+        simulation.start()
+        self.simulation = simulation
+        for signal in signals_of(simulation):
+            self.signals.setdefault(signal.name, signal).read = signal.read
+        for command in commands_of(simulation, self.admission, self._interrupt):
+            self.commands.setdefault(command.name, command).perform = command.perform
+        for name, make in journeys_of(simulation):
+            task = CellTask(name, self.admission, make, self.update, self._begin)
+            self.tasks.setdefault(name, task).make = make
         self._outside = {
             person.name: person.mind
             for person in simulation.people
@@ -80,6 +86,26 @@ class Cell:
         }
         for mind in self._outside.values():
             mind.on_decision.append(self._decide)
+
+    def continue_with(self, simulation: Simulation) -> None:
+        """Continue with another simulation of the same trial.
+
+        Tasks under way fail. Signals, commands and tasks keep their names and those who watch them.
+        `events` sends the events of the other simulation from its start.
+
+        Parameters
+        ----------
+        simulation : Simulation
+            The simulation. It is started unless it has been.
+        """
+        for running in self._running.values():
+            running.end(BEGUN_AGAIN)
+        self._running.clear()
+        self._bind(simulation)
+        self.pace.continue_with(simulation)
+        self.admission.continue_with(simulation)
+        self._events = 0
+        self.update()
 
     def follow(self, pace: Pace) -> None:
         """Change the pace, which is then interrupted at each decision of an external person."""

@@ -38,15 +38,15 @@ class CellCommand:
         Name, such as "machines/bot/twist".
     admission : Admission
         Check of values.
-    carry_out : callable
+    perform : callable
         Function that carries out a value. It raises a `ValueError` or `PlanningError` for values
         that are impossible now.
     """
 
-    def __init__(self, name: str, admission: Admission, carry_out: Callable[[Any], object]) -> None:
+    def __init__(self, name: str, admission: Admission, perform: Callable[[Any], object]) -> None:
         self.name = name
         self._admission = admission
-        self._carry_out = carry_out
+        self.perform = perform
 
     def take(self, value: Any, source: str = "") -> None:
         """Carry out a value and record it in the commands of the trial.
@@ -63,7 +63,7 @@ class CellCommand:
         Rejected
             If the value must not enter, or is impossible now.
         """
-        self._admission.carry_out(self.name, value, source, self._carry_out)
+        self._admission.carry_out(self.name, value, source, self.perform)
 
 
 def commands_of(

@@ -27,6 +27,10 @@ class _Tick:
         self.action = action
         self.count = 0
 
+    def begin(self, now: float) -> None:
+        """Count from a time (s)."""
+        self.count = math.floor(now / self.period + 1e-9)
+
     @property
     def next(self) -> float:
         return (self.count + 1) * self.period
@@ -142,8 +146,22 @@ class Pace:
     def every(self, period: float, action: Callable[[], None]) -> None:
         """Call a function whenever simulated time reaches a multiple of a period (s)."""
         tick = _Tick(period, action)
-        tick.count = math.floor(self._clock.now / period + 1e-9)
+        tick.begin(self._clock.now)
         self._ticks.append(tick)
+
+    def continue_with(self, simulation: Simulation) -> None:
+        """Advance another simulation from its present time on, with the same speed and ticks.
+
+        Parameters
+        ----------
+        simulation : Simulation
+            The simulation.
+        """
+        self._simulation, self._clock = simulation, simulation.clock
+        self._ended, self.failure = False, None
+        for tick in self._ticks:
+            tick.begin(self._clock.now)
+        self._restart(self._clock.now)
 
     @property
     def next_tick(self) -> float:

@@ -23,6 +23,8 @@ REPLACED = "failed: another goal or command replaced it"
 
 OVER = "failed: the run is over"
 
+BEGUN_AGAIN = "failed: the run has begun again"
+
 SIMPLER = 0.05
 """Metres by which the waypoints of a person or machine may differ from a dense path."""
 
@@ -156,7 +158,7 @@ class CellTask:
     ) -> None:
         self.name = name
         self._admission = admission
-        self._make = make
+        self.make = make
         self._refresh = refresh
         self._begun = begun
 
@@ -187,7 +189,7 @@ class CellTask:
 
     def _set_out(self, goal: Any) -> Journey:
         self._refresh()
-        journey = self._make(goal)
+        journey = self.make(goal)
         journey.begin()
         return journey
 
