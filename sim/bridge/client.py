@@ -7,9 +7,9 @@ import itertools
 import sys
 from collections import deque
 from collections.abc import Awaitable, Callable
+from typing import Any
 
 from .protocol import LEVELS, Account, Level, Reassembly, Subscribe, fragments, size_of, status
-from .waiting import done_within
 
 LONGEST_QUEUE = 1000
 """Maximum number of waiting messages of one topic, whatever a client requests."""
@@ -246,3 +246,20 @@ class Client:
 def _cost(id: str | int | None) -> int:
     """Return the size in bytes of a request with an id."""
     return _REQUEST + sys.getsizeof(id)
+
+
+async def done_within(awaitable: Awaitable[Any], seconds: float) -> bool:
+    """Wait for at most `seconds`, then cancel `awaitable`. Return whether it was done before.
+
+    Raises what it raises. In Python before 3.12, `asyncio.wait_for` swallows a cancellation of the
+    caller at the moment at which the awaitable is done, so that the caller never ends.
+    """
+    task = asyncio.ensure_future(awaitable)
+    try:
+        await asyncio.wait({task}, timeout=seconds)
+        if task.done():
+            task.result()
+            return True
+        return False
+    finally:
+        task.cancel()

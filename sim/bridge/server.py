@@ -20,10 +20,9 @@ from websockets.protocol import State
 
 from ..cell.admission import Notices
 from ..live.page_server import Origins
-from .client import Client
+from .client import Client, done_within
 from .exchange import Exchange
 from .protocol import LONGEST_MESSAGE, Account, Ledger
-from .waiting import done_within
 
 _FRAME = 300
 """Bytes. Memory of a waiting frame without its data."""

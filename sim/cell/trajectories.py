@@ -9,11 +9,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from simpy.events import Event
 
 from floorplan import Gantry, UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion, Piece
 from navigation.motion import Cubic, State
 

@@ -36,15 +36,20 @@ COMMANDS: dict[str, tuple[str, Callable[[Values], str | None]]] = {
 """Topics on which an agent publishes: their types, and the action of a message, if any."""
 
 PERCEPTS: dict[str, tuple[str, bool | str]] = {
-    "human_start": (START, True),
     "work_completed": (REACHED, True),
     "gantry_detected": (DETECTED, True),
     "gantry_disabled": (UNSAFE, True),
     "agv_danger": (UNSAFE, False),
     "path_blocked": (BLOCKED, "path_blocked"),
     "goal_blocked": (BLOCKED, "goal_blocked"),
+    "human_start": (START, True),
 }
 """Topic of a percept, and the data that stands for it there."""
+
+PERCEPT_TOPICS = {
+    topic: STRING if isinstance(data, str) else BOOL for topic, data in PERCEPTS.values()
+}
+"""Topics of percepts with their types. The start of the person is the last one."""
 
 _ANSWERS = frozenset({GOAL, STOP, GO_HOME, GO_HOME_AGV})
 """Topics on which an agent answers a violation."""
@@ -70,12 +75,11 @@ class HumanTopics:
         self._unanswered: tuple[str, float] | None = None
         """Violation that the agent has not answered yet, and its time (s)."""
         self._topics = {
-            START: transport.advertise(START, BOOL, heard=self._start, latched=1),
-            REACHED: transport.advertise(REACHED, BOOL),
-            UNSAFE: transport.advertise(UNSAFE, BOOL),
-            DETECTED: transport.advertise(DETECTED, BOOL),
-            BLOCKED: transport.advertise(BLOCKED, STRING),
+            topic: transport.advertise(topic, type_)
+            for topic, type_ in PERCEPT_TOPICS.items()
+            if topic != START
         }
+        self._topics[START] = transport.advertise(START, BOOL, heard=self._start, latched=1)
         for topic, (type_, _) in COMMANDS.items():
             transport.listen(topic, type_, partial(self._command, topic))
         transport.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
