@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 from floorplan import UserError
 
-from ..cell import Cell, Pace
+from ..cell import Cell, Pace, Pose
 from ..competition import CompetitionTopics, GantryTopics, Values
 from ..competition.human_topics import COMMANDS, START
-from ..competition.messages import about_z, header, seconds, vector
+from ..competition.messages import seconds, transform
 from ..core.body import Body
 from ..core.recorder import Listener
 from ..people.minds import Outside
@@ -76,7 +76,8 @@ class Workcell:
         self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
         has_gantry = simulation.gantry is not None
         self.needs_controller = has_gantry and trial.gantry.controller == EXTERNAL
-        self._gantry = GantryTopics(cell, exchange) if has_gantry else None
+        if has_gantry:
+            GantryTopics(cell, exchange)
         add_body_topics(cell, exchange)
         self.agents = {one.name: topics_of(one.name) for one in self.external}
         if self.person in self.external:
@@ -106,9 +107,6 @@ class Workcell:
             return
         self._published_at = self.now
         self._exchange.publish(self._clock, {"clock": seconds(self.now)})
-        self.competition.publish()
-        if self._gantry is not None:
-            self._gantry.publish()
         self._exchange.publish_state()
         if self.repeats:
             self.competition.repeat()
@@ -134,14 +132,7 @@ class Workcell:
         """Return tf2_msgs/TFMessage from the world to all frames."""
         return {
             "transforms": [
-                {
-                    "header": header(self.now),
-                    "child_frame_id": name,
-                    "transform": {
-                        "translation": vector(body.state.position, height),
-                        "rotation": about_z(body.state.position[2]),
-                    },
-                }
+                transform(self.now, "world", name, Pose.of(body.state), height)
                 for name, body, height in self._frames
             ]
         }

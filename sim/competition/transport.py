@@ -29,6 +29,10 @@ Heard = Callable[[Values, str], None]
 """Takes a message and the name of the client that published it. It may raise `RefusedError`."""
 
 
+Read = Callable[[], Values | None]
+"""Returns the present message of a topic, if there is one."""
+
+
 class Caller(Protocol):
     """Client that calls a service."""
 
@@ -37,23 +41,26 @@ class Caller(Protocol):
         """Name of the client, or an empty text."""
 
 
-class Port(Protocol):
-    """Topic on which the simulation publishes."""
-
-    @property
-    def is_needed(self) -> bool:
-        """Whether a message that is published now reaches a client, now or later."""
+Answer = Callable[[Any, Values], Values]
+"""Answers a request of a `Caller`. It may raise `RefusedError`."""
 
 
 class Transport(Protocol):
     """Topics and services whose messages are values by field, with the types of ROS 2."""
 
     def advertise(
-        self, name: str, type_: str, *, heard: Heard | None = None, latched: int = 0
-    ) -> Port:
+        self,
+        name: str,
+        type_: str,
+        read: Read | None = None,
+        *,
+        heard: Heard | None = None,
+        latched: int = 0,
+    ) -> object:
         """Return a new topic of the simulation. With `heard`, clients may publish on it, too.
 
-        The last `latched` messages are sent to each client that subscribes later.
+        What `read` returns is published ten times per second of simulated time. The last `latched`
+        messages are sent to each client that subscribes later.
         """
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
@@ -63,7 +70,7 @@ class Transport(Protocol):
         self,
         name: str,
         type_: str,
-        answer: Callable[[Any, Values], Values],
+        answer: Answer,
         request: Mapping[str, str] | None = None,
     ) -> None:
         """Add a service. `answer` gets the caller and the request.
