@@ -6,9 +6,10 @@ import asyncio
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 
 from ..cell import Rejected

@@ -8,9 +8,9 @@ builtin_interfaces and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_m
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 
 from ..competition.transport import RefusedError

@@ -9,12 +9,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from simpy.events import Event
 
 from floorplan import Gantry, UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion, Piece
 from navigation.motion import Cubic, State, value
 

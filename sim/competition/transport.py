@@ -11,7 +11,15 @@ from ..cell import CellCommand, CellTask, Rejected
 
 
 class RefusedError(UserError):
-    """Rejected request of a client, which gets the reason."""
+    """Rejected request of a client, which gets the reason.
+
+    `name` is that of a topic with which the text begins.
+    """
+
+    def __init__(self, text: str, name: str = "", reason: str = "") -> None:
+        super().__init__(text)
+        self.name = name
+        self.reason = reason or text
 
 
 Values = dict[str, Any]
@@ -77,4 +85,4 @@ def take(topic: str, port: CellCommand | CellTask, value: Any, source: str) -> A
             return port.start(value, source)
         port.take(value, source)
     except Rejected as why:
-        raise RefusedError(str(why.named(topic))) from None
+        raise RefusedError(str(why.named(topic)), topic, why.reason) from None
