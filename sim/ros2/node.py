@@ -125,8 +125,10 @@ class CellNode:
         """Inform the user if a command is rejected."""
         try:
             yield
-        except (Rejected, RefusedError) as why:
+        except Rejected as why:
             self.warn(name, str(why).removeprefix(f"{why.name} "), why.reason)
+        except RefusedError as why:
+            self.warn(name, str(why))
 
     def warn(self, about: str, line: str, reason: str = "") -> None:
         """Inform the user once for each topic and reason."""

@@ -19,7 +19,7 @@ from floorplan import UserError
 
 from ..cell import Cell, Pace
 from ..cell.names import plain, prefix_of
-from ..competition import CompetitionTopics, GantryTopics, Values
+from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.topics import ENDED, STARTED
 from ..simulation import Simulation
 from .actions import Action
@@ -150,11 +150,10 @@ class _RosServer:
         self._competition = CompetitionTopics(cell, transport)
         transport.provide("/ariac/start_competition", TRIGGER, self._answer_start)
         transport.provide("/ariac/end_competition", TRIGGER, self._end)
-        publishers = [self._competition.publish]
         actions: list[Action] = []
         self._actions = actions
         if simulation.gantry is not None:
-            publishers.append(GantryTopics(cell, transport, root="").publish)
+            add_gantry(cell, transport, root="")
             actions.append(gantry_action(ros, cell, simulation.gantry.name))
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name in vehicles]
@@ -166,7 +165,7 @@ class _RosServer:
             People(ros, cell, self._advance_by, reset).publish,
             Markers(ros, cell).publish,
             *(vehicle.publish_scan for vehicle in self._vehicles),
-            *publishers,
+            transport.publish_state,
             *(each.publish for each in actions),
         ]
         Control(ros, self._pace, partial(self._advance_by, 1 / RATE), reset)

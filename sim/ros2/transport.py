@@ -11,7 +11,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from ..cell import Rejected
 from ..competition import RefusedError, Values
-from ..competition.transport import Heard
+from ..competition.transport import Heard, Read
 from .node import DEPTH, CellNode, RosTopic
 
 CALLER = SimpleNamespace(name="")
@@ -23,9 +23,16 @@ class RosTransport:
 
     def __init__(self, ros: CellNode) -> None:
         self._ros = ros
+        self._read: list[tuple[RosTopic, Read]] = []
 
     def advertise(
-        self, name: str, type_: str, *, heard: Heard | None = None, latched: int = 0
+        self,
+        name: str,
+        type_: str,
+        read: Read | None = None,
+        *,
+        heard: Heard | None = None,
+        latched: int = 0,
     ) -> RosTopic:
         """Return a new topic. See `Transport`."""
         if heard is not None:
@@ -33,7 +40,16 @@ class RosTransport:
         qos = QoSProfile(depth=latched or DEPTH)
         if latched:
             qos.durability = DurabilityPolicy.TRANSIENT_LOCAL
-        return self._ros.publish_on(name, _in_full(type_, "msg"), qos)
+        topic = self._ros.publish_on(name, _in_full(type_, "msg"), qos)
+        if read is not None:
+            self._read.append((topic, read))
+        return topic
+
+    def publish_state(self) -> None:
+        """Publish the present message of each topic that has one."""
+        for topic, read in self._read:
+            if topic.is_needed and (message := read()) is not None:
+                self.publish(topic, message)
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
         """Add a topic on which clients publish."""
@@ -53,7 +69,8 @@ class RosTransport:
             try:
                 return filled(response, answer(CALLER, values_of(request)))
             except (RefusedError, Rejected) as why:
-                return filled(response, {"success": False, "message": str(why)})
+                text = str(why.named(name) if isinstance(why, Rejected) else why)
+                return filled(response, {"success": False, "message": text})
 
         self._ros.provide(name, _in_full(type_, "srv"), respond)
 
