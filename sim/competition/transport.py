@@ -48,7 +48,7 @@ class Transport(Protocol):
     ) -> Any:
         """Return a new topic of the simulation. With `heard`, clients may publish on it, too.
 
-        What `read` returns is published with the state. The last `latched` messages are sent to
+        The result of `read` is published with the state. The last `latched` messages are sent to
         each client that subscribes later.
         """
 
