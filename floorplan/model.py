@@ -6,7 +6,7 @@ up.
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from fnmatch import fnmatchcase
 from functools import cached_property
 from itertools import pairwise
@@ -17,6 +17,7 @@ from pydantic import AfterValidator, Field, model_validator
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
+from .files.dataclass import dataclass
 from .files.fields import KEYS, Angle, ComposedKeys, Flag, Number, Pair, Position, Positive, Range
 from .files.footprints import (
     Area,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from shapely.geometry import Polygon
 
 from .building import OF_ONE_LANE
 from .checks import check
+from .files.dataclass import dataclass
 from .files.documents import MOST_TEXT, yaml_text
 from .files.footprints import ring_keys
 from .files.forms import Data, plain, written

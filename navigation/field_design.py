@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -13,6 +13,7 @@ from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 
 from .field_lengths import (
     STEP,

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from operator import itemgetter
 from typing import Annotated, Any, Literal, NamedTuple
@@ -18,6 +18,7 @@ from shapely.geometry import Polygon
 
 from floorplan import UserError
 from floorplan.checks import polygon_fault
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import KEYS, Flag, Pair
 
 from .kernels.fields import FieldSearch, FieldSwitches

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,6 +18,7 @@ from yaml.resolver import Resolver
 from yaml.scanner import Scanner
 
 from .collector import paused_collector
+from .dataclass import dataclass
 from .problems import MOST_MISFITS, InputError, Place, Problem, UserError, field_name, misfits
 from .reading import read_text
 

@@ -1,13 +1,14 @@
 """Shapes in a floorplan file: fields of a floor that are given by several keys, or by one pair."""
 
 import math
-from dataclasses import dataclass, make_dataclass
+from dataclasses import make_dataclass
 from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 from shapely.geometry import Polygon, box
 from typing_extensions import Self
 
+from .dataclass import dataclass
 from .fields import KEYS, Pair, Positive, Range
 from .forms import Composed, Data, plain
 from .problems import UserError

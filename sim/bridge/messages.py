@@ -8,11 +8,12 @@ builtin_interfaces and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_m
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
-from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
+
+from ..competition.transport import RefusedError
 
 _MESSAGES = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec
@@ -65,11 +66,11 @@ _LONGEST_ARRAY = 10_000
 """Maximum number of elements of an array in a message."""
 
 
-class UnknownTypeError(UserError):
+class UnknownTypeError(RefusedError):
     """Message type that the bridge does not know."""
 
 
-class MessageError(UserError):
+class MessageError(RefusedError):
     """Message that does not conform to its type, with the wrong field."""
 
 

@@ -16,11 +16,11 @@ from ..competition.topics import ENDED, STARTED
 from ..live.live_run import LiveRun
 from ..live.page_server import Origins
 from ..simulation import Simulation
-from .client import Client
-from .exchange import Exchange, provide_rosapi
+from .client import Client, done_within
+from .exchange import Exchange
+from .rosapi import provide_rosapi
 from .server import RosbridgeServer, listen_at
 from .uplink import Uplink
-from .waiting import done_within
 from .workcell import BridgeError, Workcell
 
 PERIOD = 0.1
@@ -173,7 +173,7 @@ class Session:
         if not self._pace.speed:
             raise BridgeError("speed must be more than 0 through another rosbridge server")
         self.server = self._uplink = Uplink(
-            self._exchange, url, notice=self._notice, changed=self._changed.set
+            self._exchange, url, notice=self._notice, changed=self._changed.set, failed=self._fail
         )
         await self._uplink.open()
 

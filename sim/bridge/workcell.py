@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 from floorplan import UserError
 
 from ..cell import Cell, Pace
-from ..competition import CompetitionTopics, GantryTopics, Values
+from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.human_topics import COMMANDS, START
-from ..competition.messages import about_z, seconds, vector
+from ..competition.messages import about_z, header, seconds, vector
 from ..core.body import Body
 from ..core.recorder import Listener
 from ..people.minds import Outside
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
 from ..trials.trial import Trial
+from .body_topics import add_body_topics, topics_of
 from .exchange import Exchange
-from .floor_topics import FloorTopics
 
 RATE = 10.0
 """Hz, in simulated time. Rate at which the state is published."""
@@ -70,20 +70,20 @@ class Workcell:
         self._exchange = exchange
         self._published_at = -1.0
         self.cell = cell = Cell(simulation, notice=lambda text: self.notice(text))
+        exchange.advertise("/clock", "rosgraph_msgs/Clock", lambda: {"clock": seconds(self.now)})
         self.competition = CompetitionTopics(cell, exchange)
         self.person = self.competition.person
         self.external = tuple(p for p in simulation.people if isinstance(p.mind, Outside))
-        self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
-        self._tf = exchange.advertise("/tf", "tf2_msgs/TFMessage")
         has_gantry = simulation.gantry is not None
         self.needs_controller = has_gantry and trial.gantry.controller == EXTERNAL
-        self._gantry = GantryTopics(cell, exchange) if has_gantry else None
-        self._all = FloorTopics(cell, exchange)
-        self.agents = {one.name: self._all.topics_of(one.name) for one in self.external}
+        add_gantry(cell, exchange)
+        add_body_topics(cell, exchange)
+        self.agents = {one.name: topics_of(one.name) for one in self.external}
         if self.person in self.external:
             heard, commanded = self.agents[self.person.name]
             self.agents[self.person.name] = heard | {START}, commanded | COMMANDS.keys()
         self._frames = self._named_frames()
+        exchange.advertise("/tf", "tf2_msgs/TFMessage", self._transforms)
         self.follow(cell.pace)
         for event in simulation.events:
             cell.signals["events"].send(event)
@@ -102,19 +102,12 @@ class Workcell:
 
     def publish(self) -> None:
         """Publish the present state, once at each time."""
-        exchange, now = self._exchange, self.now
-        if now == self._published_at:
+        if self.now == self._published_at:
             return
-        self._published_at = now
-        exchange.publish(self._clock, {"clock": seconds(now)})
-        self.competition.publish()
+        self._published_at = self.now
+        self._exchange.publish_state()
         if self.repeats:
             self.competition.repeat()
-        if self._gantry is not None:
-            self._gantry.publish()
-        self._all.publish(now)
-        if self._tf.is_needed:
-            exchange.publish(self._tf, _transforms(now, self._frames))
 
     def _publish_before_decision(self) -> None:
         if self.cell.has_decision:
@@ -133,20 +126,18 @@ class Workcell:
         others = [body for body in simulation.bodies if body not in listed]
         return [*frames, *((f"{body.name}/base_link", body, 0.0) for body in others)]
 
-
-def _transforms(t: float, frames: Iterable[tuple[str, Body, float]]) -> Values:
-    """Return tf2_msgs/TFMessage from the world to frames, each with name, body and height (m)."""
-    header = {"stamp": seconds(t), "frame_id": "world"}
-    return {
-        "transforms": [
-            {
-                "header": header,
-                "child_frame_id": name,
-                "transform": {
-                    "translation": vector(body.state.position, height),
-                    "rotation": about_z(body.state.position[2]),
-                },
-            }
-            for name, body, height in frames
-        ]
-    }
+    def _transforms(self) -> Values:
+        """Return tf2_msgs/TFMessage from the world to all frames."""
+        return {
+            "transforms": [
+                {
+                    "header": header(self.now),
+                    "child_frame_id": name,
+                    "transform": {
+                        "translation": vector(body.state.position, height),
+                        "rotation": about_z(body.state.position[2]),
+                    },
+                }
+                for name, body, height in self._frames
+            ]
+        }

@@ -11,7 +11,7 @@ from functools import partial
 
 from ..cell import Cell
 from ..core.recorder import Event
-from .transport import Caller, RefusedError, Transport, Values, take
+from .transport import Caller, RefusedError, Transport, Values
 
 START = "/ariac/start_human"
 REACHED = "/ariac_human/position_reached"
@@ -36,15 +36,20 @@ COMMANDS: dict[str, tuple[str, Callable[[Values], str | None]]] = {
 """Topics on which an agent publishes: their types, and the action of a message, if any."""
 
 PERCEPTS: dict[str, tuple[str, bool | str]] = {
-    "human_start": (START, True),
     "work_completed": (REACHED, True),
     "gantry_detected": (DETECTED, True),
     "gantry_disabled": (UNSAFE, True),
     "agv_danger": (UNSAFE, False),
     "path_blocked": (BLOCKED, "path_blocked"),
     "goal_blocked": (BLOCKED, "goal_blocked"),
+    "human_start": (START, True),
 }
 """Topic of a percept, and the data that stands for it there."""
+
+PERCEPT_TOPICS = {
+    topic: STRING if isinstance(data, str) else BOOL for topic, data in PERCEPTS.values()
+}
+"""Topics of percepts with their types. The start of the person is the last one."""
 
 _ANSWERS = frozenset({GOAL, STOP, GO_HOME, GO_HOME_AGV})
 """Topics on which an agent answers a violation."""
@@ -70,12 +75,11 @@ class HumanTopics:
         self._unanswered: tuple[str, float] | None = None
         """Violation that the agent has not answered yet, and its time (s)."""
         self._topics = {
-            START: transport.advertise(START, BOOL, heard=self._start, latched=1),
-            REACHED: transport.advertise(REACHED, BOOL),
-            UNSAFE: transport.advertise(UNSAFE, BOOL),
-            DETECTED: transport.advertise(DETECTED, BOOL),
-            BLOCKED: transport.advertise(BLOCKED, STRING),
+            topic: transport.advertise(topic, type_)
+            for topic, type_ in PERCEPT_TOPICS.items()
+            if topic != START
         }
+        self._topics[START] = transport.advertise(START, BOOL, heard=self._start, latched=1)
         for topic, (type_, _) in COMMANDS.items():
             transport.listen(topic, type_, partial(self._command, topic))
         transport.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
@@ -124,9 +128,9 @@ class HumanTopics:
                 " give them the personality external to command them"
             )
         if topic == GOAL:
-            take(topic, self._goal, (message["x"], message["y"]), source)
+            self._goal.take((message["x"], message["y"]), source)
         elif not self._is_done(topic):
-            take(topic, self._act_command, action, source)
+            self._act_command.take(action, source)
         if topic in _ANSWERS:
             self._unanswered = None
 
@@ -141,7 +145,7 @@ class HumanTopics:
     def _start(self, message: Values, source: str = "") -> None:
         # A transport may return what the simulation publishes.
         if message["data"] and self._cell.simulation.person(self._person).started_at is None:
-            take(START, self._cell.commands[f"people/{self._person}/start"], None, source)
+            self._cell.commands[f"people/{self._person}/start"].take(None, source)
 
     def _teleport(self, client: Caller, __: Values) -> Values:
         self._command(GO_HOME_AGV, {"data": True}, client.name)

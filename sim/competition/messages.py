@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from floorplan import Floorplan, Gantry, Lane
@@ -13,7 +14,6 @@ from ..cell.trajectories import JOINTS, joint_values
 from ..orders.workload import AssemblyTask, KittingTask, Order, PartType
 
 Message = dict[str, Any]
-Values = tuple[float, float, float]
 
 LOCATIONS = ("kitting", "assembly_front", "assembly_back", "warehouse")
 """AGV locations of ariac_msgs/AGVStatus, by number."""
@@ -36,6 +36,11 @@ def seconds(t: float) -> Message:
     """Return a time or duration (builtin_interfaces)."""
     whole, nanoseconds = divmod(round(t * 1e9), 1_000_000_000)
     return {"sec": whole, "nanosec": nanoseconds}
+
+
+def header(t: float, frame: str = "world") -> Message:
+    """Return std_msgs/Header of a time (s) and a frame."""
+    return {"stamp": seconds(t), "frame_id": frame}
 
 
 def human_state(person: State, robot: State | None, robot_height: float) -> Message:
@@ -62,7 +67,7 @@ def agv_status(lane: Lane, state: State) -> Message:
 def joint_state(t: float, gantry: Gantry, state: State) -> Message:
     """Return sensor_msgs/JointState of the gantry's joints (m, rad, and m/s, rad/s)."""
     return {
-        "header": {"stamp": seconds(t), "frame_id": ""},
+        "header": header(t, ""),
         "name": list(JOINTS),
         "position": list(joint_values(gantry, state.position)),
         "velocity": list(joint_values(gantry, state.velocity, origin=False)),
@@ -110,7 +115,7 @@ def _number_in(name: str) -> int:
     return int("".join(filter(str.isdigit, name)))
 
 
-def vector(xyz: tuple[float, float, float], z: float = 0.0) -> Message:
+def vector(xyz: Sequence[float], z: float = 0.0) -> Message:
     """Return geometry_msgs/Point or Vector3. `z` replaces the third number, a rotation."""
     return {"x": xyz[0], "y": xyz[1], "z": z}
 

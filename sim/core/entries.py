@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import zlib
-from dataclasses import KW_ONLY, dataclass, field, fields, replace
+from dataclasses import KW_ONLY, field, fields, replace
 from datetime import date
 from random import Random
 from typing import Annotated, Any, Literal
@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from floorplan import Obstacle, Point, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
     LARGEST,
     ComposedKeys,

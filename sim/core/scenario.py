@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import KW_ONLY, field, replace
 from functools import lru_cache
 from itertools import accumulate, count, islice
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing_extensions import Self
 import bdi
 from floorplan import Floorplan, InputError, Point, Problem, SafeZone, UserError
 from floorplan.checks import starting_fault
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
     Expected,
     Fits,

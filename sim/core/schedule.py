@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, replace
 from random import Random
 from typing import Annotated, Any, Literal
 
@@ -23,6 +23,7 @@ from pydantic import (
 from typing_extensions import Self
 
 from floorplan import Obstacle, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
     LARGEST,
     SMALLEST,

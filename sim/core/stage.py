@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from typing import Any, ClassVar, Protocol
 
@@ -14,6 +14,7 @@ from shapely.geometry import Polygon
 from typing_extensions import Self
 
 from floorplan import Door, Floorplan, Obstacle, Point, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import brief
 from floorplan.files.problems import Fault, suggestion
 from navigation import CollisionWorld, Motion, VehicleLimits

@@ -5,11 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from floorplan.files.dataclass import dataclass
 
 from ..core.wording import counted, figure, minus, percent
 from ..views.report_page import (

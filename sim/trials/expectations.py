@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Container, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import Place, suggestion
 
 from ..core.entries import is_number

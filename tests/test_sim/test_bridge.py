@@ -397,6 +397,15 @@ def test_too_many_commands_at_one_time_are_rejected_and_the_run_continues():
         assert not session.join().summary["interrupted"]
 
 
+def test_a_call_of_a_service_that_is_rejected_is_answered_and_the_run_continues():
+    with served(trial(duration=5.0), hold=True) as session, Client(session.url) as client:
+        answers = [client.call("/ariac/set_human_safe_zone_penalty") for _ in range(301)]
+        assert answers[-2][0] and not answers[-1][0]
+        assert "/ariac/set_human_safe_zone_penalty" in answers[-1][1]
+        assert "more than 300" in answers[-1][1]
+        assert client.call("/rosapi/nodes")[0]
+
+
 def test_only_one_client_steps_the_time():
     with served(trial(duration=5.0)) as session, Client(session.url) as one:
         assert one.call("/floorwalker/advance", until=-1.0) == (True, {"time": 0.0, "ended": False})
