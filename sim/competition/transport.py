@@ -7,30 +7,27 @@ from typing import Any, Protocol
 
 from floorplan import UserError
 
-from ..cell import CellCommand, CellTask, Rejected
-
 
 class RefusedError(UserError):
-    """Rejected request of a client, which gets the reason.
-
-    `name` is that of a topic with which the text begins.
-    """
-
-    def __init__(self, text: str, name: str = "", reason: str = "") -> None:
-        super().__init__(text)
-        self.name = name
-        self.reason = reason or text
+    """Rejected request of a client, which gets the reason."""
 
 
 Values = dict[str, Any]
 """Fields of a message, a request or an answer by name."""
 
 Heard = Callable[[Values, str], None]
-"""Takes a message and the name of the client that published it. It may raise `RefusedError`."""
+"""Takes a message and the name of the client that published it.
+
+It may raise `Rejected` or `RefusedError`.
+"""
 
 
 Read = Callable[[], Values | None]
 """Returns the present message of a topic, if there is one."""
+
+
+Answer = Callable[[Any, Values], Values]
+"""Answers a request of a `Caller`. It may raise `Rejected` or `RefusedError`."""
 
 
 class Caller(Protocol):
@@ -39,10 +36,6 @@ class Caller(Protocol):
     @property
     def name(self) -> str:
         """Name of the client, or an empty text."""
-
-
-Answer = Callable[[Any, Values], Values]
-"""Answers a request of a `Caller`. It may raise `RefusedError`."""
 
 
 class Transport(Protocol):
@@ -56,11 +49,11 @@ class Transport(Protocol):
         *,
         heard: Heard | None = None,
         latched: int = 0,
-    ) -> object:
+    ) -> Any:
         """Return a new topic of the simulation. With `heard`, clients may publish on it, too.
 
-        What `read` returns is published ten times per second of simulated time. The last `latched`
-        messages are sent to each client that subscribes later.
+        The result of `read` is published with the state. The last `latched` messages are sent to
+        each client that subscribes later.
         """
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
@@ -80,16 +73,3 @@ class Transport(Protocol):
 
     def publish(self, topic: Any, message: Values) -> None:
         """Send a message of the simulation to every subscriber of its topic."""
-
-
-def take(topic: str, port: CellCommand | CellTask, value: Any, source: str) -> Any:
-    """Pass a value from a topic to a command or task of the cell, and return the running task.
-
-    `RefusedError` names the topic and the value if it is rejected.
-    """
-    try:
-        if isinstance(port, CellTask):
-            return port.start(value, source)
-        port.take(value, source)
-    except Rejected as why:
-        raise RefusedError(str(why.named(topic)), topic, why.reason) from None

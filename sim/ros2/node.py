@@ -138,7 +138,8 @@ class CellNode:
             try:
                 return filled(response, answer(CALLER, values_of(values)))
             except (RefusedError, Rejected) as why:
-                return filled(response, {"success": False, "message": str(why)})
+                text = str(why.named(name) if isinstance(why, Rejected) else why)
+                return filled(response, {"success": False, "message": text})
 
         if (service := self.find(type_, "srv", name)) is not None:
             self.node.create_service(service, name, respond)
@@ -166,8 +167,10 @@ class CellNode:
         """Inform the user if a command is rejected."""
         try:
             yield
-        except (Rejected, RefusedError) as why:
+        except Rejected as why:
             self.warn(name, str(why).removeprefix(f"{why.name} "), why.reason)
+        except RefusedError as why:
+            self.warn(name, str(why))
 
     def warn(self, about: str, line: str, reason: str = "") -> None:
         """Inform the user once for each topic and reason."""

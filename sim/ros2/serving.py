@@ -20,7 +20,7 @@ from floorplan import UserError
 from ..cell import Cell, Pace
 from ..cell.names import plain, prefix_of
 from ..cell.signals import POSES
-from ..competition import CompetitionTopics, GantryTopics, Values
+from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.topics import ENDED, STARTED
 from ..simulation import Simulation
 from .actions import Action
@@ -134,7 +134,7 @@ class _RosServer:
             self._enter = CompetitionTopics(cell, ros).enter
             ros.provide("/ariac/start_competition", "std_srvs/Trigger", self._answer_start)
             ros.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
-            GantryTopics(cell, ros, root="")
+            add_gantry(cell, ros, root="")
             self._actions.append(gantry_action(ros, cell, simulation.gantry.name))
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name in vehicles]
