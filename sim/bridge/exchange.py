@@ -13,7 +13,7 @@ from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 
 from ..cell import Rejected
-from ..competition.transport import Heard, RefusedError, Values
+from ..competition.transport import Heard, Read, RefusedError, Values
 from . import protocol
 from .client import ADVERTISED, Client, Subscription
 from .messages import MessageError, MessageType, canonical, conform, message_type
@@ -43,7 +43,7 @@ class Topic:
     type: MessageType
     ours: bool = False
     heard: Heard | None = None
-    read: Callable[[], Values | None] | None = None
+    read: Read | None = None
     kept: deque[str] = field(default_factory=lambda: deque(maxlen=0))
     subscriptions: dict[Client, Subscription] = field(default_factory=dict)
     publishers: set[Client] = field(default_factory=set)
@@ -89,7 +89,7 @@ class Exchange:
         self,
         name: str,
         type_: str,
-        read: Callable[[], Values | None] | None = None,
+        read: Read | None = None,
         *,
         heard: Heard | None = None,
         latched: int = 0,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from floorplan import UserError
 
 from ..cell import Cell, Pace
-from ..competition import CompetitionTopics, GantryTopics, Values
+from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.human_topics import COMMANDS, START
 from ..competition.messages import about_z, header, seconds, vector
 from ..core.body import Body
@@ -70,13 +70,13 @@ class Workcell:
         self._exchange = exchange
         self._published_at = -1.0
         self.cell = cell = Cell(simulation, notice=lambda text: self.notice(text))
+        exchange.advertise("/clock", "rosgraph_msgs/Clock", lambda: {"clock": seconds(self.now)})
         self.competition = CompetitionTopics(cell, exchange)
         self.person = self.competition.person
         self.external = tuple(p for p in simulation.people if isinstance(p.mind, Outside))
-        self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
         has_gantry = simulation.gantry is not None
         self.needs_controller = has_gantry and trial.gantry.controller == EXTERNAL
-        self._gantry = GantryTopics(cell, exchange) if has_gantry else None
+        add_gantry(cell, exchange)
         add_body_topics(cell, exchange)
         self.agents = {one.name: topics_of(one.name) for one in self.external}
         if self.person in self.external:
@@ -105,10 +105,6 @@ class Workcell:
         if self.now == self._published_at:
             return
         self._published_at = self.now
-        self._exchange.publish(self._clock, {"clock": seconds(self.now)})
-        self.competition.publish()
-        if self._gantry is not None:
-            self._gantry.publish()
         self._exchange.publish_state()
         if self.repeats:
             self.competition.repeat()

@@ -3,16 +3,15 @@
 `CompetitionTopics` publishes through a `Transport`, and passes what clients publish to the cell.
 """
 
-from .machine_topics import GantryTopics
+from .machine_topics import add_gantry
 from .topics import CompetitionTopics, driven_person
-from .transport import RefusedError, Transport, Values, take
+from .transport import RefusedError, Transport, Values
 
 __all__ = [
     "CompetitionTopics",
-    "GantryTopics",
     "RefusedError",
     "Transport",
     "Values",
+    "add_gantry",
     "driven_person",
-    "take",
 ]

@@ -11,7 +11,7 @@ from functools import partial
 
 from ..cell import Cell
 from ..core.recorder import Event
-from .transport import Caller, RefusedError, Transport, Values, take
+from .transport import Caller, RefusedError, Transport, Values
 
 START = "/ariac/start_human"
 REACHED = "/ariac_human/position_reached"
@@ -128,9 +128,9 @@ class HumanTopics:
                 " give them the personality external to command them"
             )
         if topic == GOAL:
-            take(topic, self._goal, (message["x"], message["y"]), source)
+            self._goal.take((message["x"], message["y"]), source)
         elif not self._is_done(topic):
-            take(topic, self._act_command, action, source)
+            self._act_command.take(action, source)
         if topic in _ANSWERS:
             self._unanswered = None
 
@@ -145,7 +145,7 @@ class HumanTopics:
     def _start(self, message: Values, source: str = "") -> None:
         # A transport may return what the simulation publishes.
         if message["data"] and self._cell.simulation.person(self._person).started_at is None:
-            take(START, self._cell.commands[f"people/{self._person}/start"], None, source)
+            self._cell.commands[f"people/{self._person}/start"].take(None, source)
 
     def _teleport(self, client: Caller, __: Values) -> Values:
         self._command(GO_HOME_AGV, {"data": True}, client.name)

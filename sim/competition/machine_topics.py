@@ -10,7 +10,40 @@ from ..cell import Cell, JointPoint, JointTrajectory
 from ..machines.gantry.robot import GantryRobot
 from ..people.programs import EXTERNAL
 from .messages import LOCATIONS, agv_status, joint_state
-from .transport import Caller, RefusedError, Transport, Values, take
+from .transport import Caller, RefusedError, Transport, Values
+
+TRAJECTORY = "gantry_controller/joint_trajectory"
+"""Topic on which a controller publishes."""
+
+
+def add_gantry(cell: Cell, transport: Transport, root: str = "/") -> None:
+    """Add topics of the first gantry, if there is one. Their names begin with `root`.
+
+    If its controller is external, the gantry follows the trajectories that clients publish.
+    """
+
+    def gantry() -> GantryRobot:
+        gantry = cell.simulation.gantry  # of a run that may have begun again
+        assert gantry is not None
+        return gantry
+
+    def read_joints() -> Values:
+        return joint_state(cell.now, gantry().gantry, gantry().state)
+
+    def read_health() -> Values:
+        return {"floor_robot": True, "ceiling_robot": not gantry().disabled}
+
+    def follow(message: Values, source: str) -> None:
+        if gantry().disabled:
+            raise RefusedError("the gantry is disabled")
+        cell.commands[f"machines/{gantry().name}/joints"].take(trajectory_of(message), source)
+
+    if cell.simulation.gantry is not None:
+        transport.advertise(f"{root}joint_states", "sensor_msgs/JointState", read_joints)
+        transport.advertise("/ariac/robot_health", "ariac_msgs/Robots", read_health)
+        if cell.simulation.trial.gantry.controller == EXTERNAL:
+            type_ = "trajectory_msgs/JointTrajectory"
+            transport.listen(f"{root}{TRAJECTORY}", type_, follow)
 
 
 def trajectory_of(message: Values) -> JointTrajectory:
@@ -26,73 +59,24 @@ def trajectory_of(message: Values) -> JointTrajectory:
     return JointTrajectory(tuple(message["joint_names"]), tuple(points))
 
 
-TRAJECTORY = "gantry_controller/joint_trajectory"
-"""Topic on which a controller publishes."""
+def add_agvs(cell: Cell, transport: Transport) -> None:
+    """Add the status of each AGV, and the service that sends it to a location."""
 
+    def read(lane: Lane) -> Values:
+        return agv_status(lane, cell.simulation.machines[lane.name].body.state)
 
-class GantryTopics:
-    """Publishes the joints of the first gantry. Names of topics begin with `root`.
-
-    If its controller is external, the gantry follows the trajectories that clients publish.
-    """
-
-    def __init__(self, cell: Cell, transport: Transport, root: str = "/") -> None:
-        self._cell = cell
-        self._transport = transport
-        self._joints = transport.advertise(f"{root}joint_states", "sensor_msgs/JointState")
-        self._trajectory = f"{root}{TRAJECTORY}"
-        if cell.simulation.trial.gantry.controller == EXTERNAL:
-            type_ = "trajectory_msgs/JointTrajectory"
-            transport.listen(self._trajectory, type_, self._follow)
-
-    def publish(self) -> None:
-        """Publish the present state."""
-        if self._joints.is_needed:
-            gantry = self._gantry
-            state = joint_state(self._cell.now, gantry.gantry, gantry.state)
-            self._transport.publish(self._joints, state)
-
-    @property
-    def _gantry(self) -> GantryRobot:
-        gantry = self._cell.simulation.gantry
-        assert gantry is not None
-        return gantry
-
-    def _follow(self, message: Values, source: str = "") -> None:
-        gantry = self._gantry
-        if gantry.disabled:
-            raise RefusedError("the gantry is disabled")
-        command = self._cell.commands[f"machines/{gantry.name}/joints"]
-        take(self._trajectory, command, trajectory_of(message), source)
-
-
-class AgvTopics:
-    """Publishes the states of AGVs, and sends them to the locations that clients request."""
-
-    def __init__(self, cell: Cell, transport: Transport) -> None:
-        self._cell = cell
-        self._transport = transport
-        self._status = {}
-        for lane in (agv.lane for agv in cell.simulation.agvs):
-            topic = transport.advertise(f"/ariac/{lane.name}_status", "ariac_msgs/AGVStatus")
-            self._status[lane.name] = topic
-            move, request = partial(self._move, lane), {"location": "int8"}
-            transport.provide(f"/ariac/move_{lane.name}", "ariac_msgs/MoveAGV", move, request)
-
-    def publish(self) -> None:
-        """Publish the present state."""
-        for agv in self._cell.simulation.agvs:
-            topic = self._status[agv.lane.name]
-            if topic.is_needed:
-                self._transport.publish(topic, agv_status(agv.lane, agv.body.state))
-
-    def _move(self, lane: Lane, client: Caller | None, request: Values) -> Values:
+    def move(lane: Lane, client: Caller, request: Values) -> Values:
         name, number = lane.name, request["location"]
         numbered = {k: place for k, place in enumerate(LOCATIONS) if place in lane.locations}
         if number not in numbered:
             there = ", ".join(f"{k} {place}" for k, place in numbered.items())
             message = f"{name} has no location {number} (there are: {there})"
             return {"success": False, "message": message}
-        drive = self._cell.commands[f"machines/{name}/drive"]
-        take(f"/ariac/move_{name}", drive, numbered[number], client.name if client else "")
+        cell.commands[f"machines/{name}/drive"].take(numbered[number], client.name)
         return {"success": True, "message": f"on its way to {numbered[number]}"}
+
+    for lane in (agv.lane for agv in cell.simulation.agvs):
+        status, service = f"/ariac/{lane.name}_status", f"/ariac/move_{lane.name}"
+        transport.advertise(status, "ariac_msgs/AGVStatus", partial(read, lane))
+        request = {"location": "int8"}
+        transport.provide(service, "ariac_msgs/MoveAGV", partial(move, lane), request)

@@ -9,9 +9,9 @@ from ..people.person import Person
 from ..people.programs import EXTERNAL
 from ..trials.trial import Trial
 from .human_topics import HumanTopics
-from .machine_topics import AgvTopics
+from .machine_topics import add_agvs
 from .messages import human_state, order_message
-from .transport import Transport
+from .transport import Transport, Values
 
 READY, STARTED, ANNOUNCED, ENDED = 1, 2, 3, 4
 """Phases of ariac_msgs/CompetitionState. ANNOUNCED: started, and all orders are announced."""
@@ -33,12 +33,13 @@ class CompetitionTopics:
         self._orders = advertise("/ariac/orders", "ariac_msgs/Order", latched=_MOST_ORDERS)
         self._phase = advertise("/ariac/competition_state", phase, latched=1)
         self._unannounced: dict[str, Order] = {}
-        self._state = advertise("/ariac_human/state", "ariac_msgs/HumanState")
-        self._health = advertise("/ariac/robot_health", "ariac_msgs/Robots")
-        self._agvs = AgvTopics(cell, transport)
         driven = driven_person(cell.simulation.trial)
         self._driven = "" if driven is None else cell.simulation.people[driven].name
-        self._human = HumanTopics(self._driven, cell, transport) if self._driven else None
+        self._human = None
+        if self._driven:
+            advertise("/ariac_human/state", "ariac_msgs/HumanState", self._read_state)
+            self._human = HumanTopics(self._driven, cell, transport)
+        add_agvs(cell, transport)
         cell.signals["events"].watch(self._announce)
         self.enter(READY)
 
@@ -47,17 +48,11 @@ class CompetitionTopics:
         """Person of the topics."""
         return self._cell.simulation.person(self._driven) if self._driven else None
 
-    def publish(self) -> None:
-        """Publish the present state."""
-        transport, gantry, person = self._transport, self._cell.simulation.gantry, self.person
-        if self._state.is_needed and person is not None:
-            robot = gantry.state if gantry else None
-            height = gantry.gantry.rail_height if gantry else 0.0
-            transport.publish(self._state, human_state(person.body.state, robot, height))
-        self._agvs.publish()
-        if gantry is not None and self._health.is_needed:
-            health = {"floor_robot": True, "ceiling_robot": not gantry.disabled}
-            transport.publish(self._health, health)
+    def _read_state(self) -> Values:
+        gantry, person = self._cell.simulation.gantry, self.person
+        assert person is not None
+        height = gantry.gantry.rail_height if gantry else 0.0
+        return human_state(person.body.state, gantry.state if gantry else None, height)
 
     def repeat(self) -> None:
         """Publish a violation again that the agent has not answered."""

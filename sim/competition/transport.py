@@ -7,8 +7,6 @@ from typing import Any, Protocol
 
 from floorplan import UserError
 
-from ..cell import CellCommand, CellTask, Rejected
-
 
 class RefusedError(UserError):
     """Rejected request of a client, which gets the reason."""
@@ -18,7 +16,14 @@ Values = dict[str, Any]
 """Fields of a message, a request or an answer by name."""
 
 Heard = Callable[[Values, str], None]
-"""Takes a message and the name of the client that published it. It may raise `RefusedError`."""
+"""Takes a message and the name of the client that published it.
+
+It may raise `Rejected` or `RefusedError`.
+"""
+
+
+Read = Callable[[], Values | None]
+"""Returns the present message of a topic, if there is one."""
 
 
 class Caller(Protocol):
@@ -29,23 +34,22 @@ class Caller(Protocol):
         """Name of the client, or an empty text."""
 
 
-class Port(Protocol):
-    """Topic on which the simulation publishes."""
-
-    @property
-    def is_needed(self) -> bool:
-        """Whether a message that is published now reaches a client, now or later."""
-
-
 class Transport(Protocol):
     """Topics and services whose messages are values by field, with the types of ROS 2."""
 
     def advertise(
-        self, name: str, type_: str, *, heard: Heard | None = None, latched: int = 0
-    ) -> Port:
+        self,
+        name: str,
+        type_: str,
+        read: Read | None = None,
+        *,
+        heard: Heard | None = None,
+        latched: int = 0,
+    ) -> Any:
         """Return a new topic of the simulation. With `heard`, clients may publish on it, too.
 
-        The last `latched` messages are sent to each client that subscribes later.
+        The result of `read` is published with the state. The last `latched` messages are sent to
+        each client that subscribes later.
         """
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
@@ -65,16 +69,3 @@ class Transport(Protocol):
 
     def publish(self, topic: Any, message: Values) -> None:
         """Send a message of the simulation to every subscriber of its topic."""
-
-
-def take(topic: str, port: CellCommand | CellTask, value: Any, source: str) -> Any:
-    """Pass a value from a topic to a command or task of the cell, and return the running task.
-
-    `RefusedError` names the topic and the value if it is rejected.
-    """
-    try:
-        if isinstance(port, CellTask):
-            return port.start(value, source)
-        port.take(value, source)
-    except Rejected as why:
-        raise RefusedError(str(why.named(topic))) from None
