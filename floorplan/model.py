@@ -22,7 +22,7 @@ from .files.fields import (
     KEYS,
     Angle,
     ComposedKeys,
-    Constraint,
+    Constrained,
     Flag,
     Number,
     Pair,
@@ -57,7 +57,7 @@ EVERYBODY = ("*",)
 Point = tuple[float, float]
 """Position on the floor: x, y in metres."""
 
-Name = Annotated[str, Constraint(min_length=1)]
+Name = Annotated[str, Constrained(min_length=1)]
 """Text that is not empty."""
 
 Called = Annotated[str, Alias(CALLED)]
@@ -68,7 +68,7 @@ Ends = Annotated[tuple[Pair, Pair], Alias("between")]
 
 Concerns = Annotated[
     tuple[str, ...],
-    Written(Annotated[list[Name], Constraint(min_length=1)]),
+    Written(Annotated[list[Name], Constrained(min_length=1)]),
     AfterValidator(tuple),
 ]
 """Names of people and AGVs, or patterns of names."""

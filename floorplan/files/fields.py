@@ -129,7 +129,7 @@ class Expected:
         return value
 
 
-class Constraint:
+class Constrained:
     """Annotation of constraints of pydantic for a value from a file, such as `min_length`."""
 
     def __init__(self, **constraints: int | str) -> None:

@@ -9,13 +9,13 @@ from shapely.geometry import Polygon, box
 from typing_extensions import Self
 
 from .dataclass import dataclass
-from .fields import KEYS, Constraint, Pair, Positive, Range
+from .fields import KEYS, Constrained, Pair, Positive, Range
 from .forms import Alias, Composed, Data, plain
 from .problems import UserError
 
 Size = tuple[Positive, Positive]
 
-Ring = Annotated[list[Pair], Constraint(min_length=3)]
+Ring = Annotated[list[Pair], Constrained(min_length=3)]
 
 _CORNERS = 32
 """Number of corners of the polygon that replaces a disc."""

@@ -17,7 +17,7 @@ from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
     LARGEST,
     ComposedKeys,
-    Constraint,
+    Constrained,
     Expected,
     Fits,
     Flag,
@@ -269,7 +269,7 @@ class RecordedTrack(Keyed):
         name of the entry with the name or number of the body.
     """
 
-    file: Annotated[str, Constraint(min_length=1)]
+    file: Annotated[str, Constrained(min_length=1)]
     _: KW_ONLY
     body: Annotated[str | None, BeforeValidator(_as_name)] = None
     since: Number = 0.0
@@ -318,7 +318,7 @@ COMMANDS = ("send", "block", "clear", "hold", "release")
 class BlockKeys(Obstacle):
     """Keys of an obstacle that a command adds."""
 
-    name: Annotated[str, Constraint(min_length=1), Alias("block")]
+    name: Annotated[str, Constrained(min_length=1), Alias("block")]
     bottom: Bottom = 0.0
     top: Top = 1.0
 

@@ -19,7 +19,7 @@ from floorplan import Floorplan, InputError, Point, Problem, SafeZone, UserError
 from floorplan.checks import starting_fault
 from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
-    Constraint,
+    Constrained,
     Expected,
     Fits,
     Flag,
@@ -106,7 +106,7 @@ class TrialError(InputError):
 NAME = r"[^\W\d_][\w-]*"
 """Regular expression of the names of people, machines and work lists."""
 
-Name = Annotated[str, Constraint(pattern=f"^{NAME}$")]
+Name = Annotated[str, Constrained(pattern=f"^{NAME}$")]
 
 Personality = Annotated[str | bdi.Program, Written(str)]
 """Built-in name, .asl file, "external", or a program."""

@@ -25,7 +25,7 @@ from floorplan.files.fields import (
     LARGEST,
     SMALLEST,
     ComposedKeys,
-    Constraint,
+    Constrained,
     Expected,
     Fits,
     Flag,
@@ -267,7 +267,7 @@ class WorkTask(Keyed):
         Number of times it is offered with `every`. The default is no limit.
     """
 
-    at: Annotated[str, Constraint(min_length=1), Expected("the name of a station", str)]
+    at: Annotated[str, Constrained(min_length=1), Expected("the name of a station", str)]
     duration: Annotated[
         Duration,
         Written(Positive | _Distribution),
@@ -321,7 +321,7 @@ class WorkList(Keyed):
         Whether each task is offered again as soon as it is done.
     """
 
-    tasks: Annotated[tuple[WorkTask, ...], Constraint(min_length=1)]
+    tasks: Annotated[tuple[WorkTask, ...], Constrained(min_length=1)]
     repeat: Flag = False
 
     @model_validator(mode="before")
@@ -367,7 +367,7 @@ Shift = Annotated[
 Interval = Annotated[Shift, BeforeValidator(_or_for_ever)]
 """Begin and end in seconds. The end may be infinite, which a file writes as the begin alone."""
 
-Intervals = Annotated[tuple[Interval, ...], Constraint(min_length=1)]
+Intervals = Annotated[tuple[Interval, ...], Constrained(min_length=1)]
 
 
 @dataclass(frozen=True)
