@@ -167,8 +167,10 @@ class _FieldMaker:
         points = []
         for share, bend in itertools.product(_SHARES, _SHARES):
             drive = limits, angle, share * speed, bend * turn, self.response_time
-            for x, y, rotation in zip(*on_arc(*drive), strict=True):
-                points.append(_rotated(corners, rotation) + np.array([x, y]))
+            x, y, rotation = on_arc(*drive)
+            c, s = np.cos(rotation), np.sin(rotation)
+            turned = corners @ np.array([[c, s], [-s, c]]).transpose(2, 0, 1)
+            points.append((turned + np.column_stack([x, y])[:, None]).reshape(-1, 2))
         return points
 
 
