@@ -15,7 +15,6 @@ import itertools
 import math
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import fcl
@@ -27,6 +26,7 @@ from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import Point, UserError
+from floorplan.files.dataclass import dataclass
 
 from .bodies import region
 from .catalog import PlanningError

@@ -10,16 +10,18 @@ from contextlib import suppress
 from typing import Any
 
 from ..cell import Pace
+from ..competition import RefusedError
+from ..competition.machine_topics import TRAJECTORY
+from ..competition.topics import ENDED, STARTED
 from ..live.live_run import LiveRun
 from ..live.page_server import Origins
 from ..simulation import Simulation
-from .client import Client
-from .exchange import Exchange, RefusedError, provide_rosapi
-from .machine_topics import TRAJECTORY
+from .client import Client, done_within
+from .exchange import Exchange
+from .rosapi import provide_rosapi
 from .server import RosbridgeServer, listen_at
 from .uplink import Uplink
-from .waiting import done_within
-from .workcell import ENDED, STARTED, BridgeError, Workcell
+from .workcell import BridgeError, Workcell
 
 PERIOD = 0.1
 """Seconds of real time between two requests of the page that are carried out."""
@@ -171,7 +173,7 @@ class Session:
         if not self._pace.speed:
             raise BridgeError("speed must be more than 0 through another rosbridge server")
         self.server = self._uplink = Uplink(
-            self._exchange, url, notice=self._notice, changed=self._changed.set
+            self._exchange, url, notice=self._notice, changed=self._changed.set, failed=self._fail
         )
         await self._uplink.open()
 
@@ -192,7 +194,7 @@ class Session:
             self._pace.check()
             self._workcell.cell.update()
             self._workcell.publish()
-            self._workcell.enter(ENDED)
+            self._workcell.competition.enter(ENDED)
         finally:
             if showing is not None:
                 showing.cancel()
@@ -316,7 +318,7 @@ class Session:
         self._grace, self._agent_since = 0.0, None
         now = self._workcell.now
         if not now:
-            self._workcell.enter(STARTED)
+            self._workcell.competition.enter(STARTED)
         self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
 
     def _say(self, text: str) -> None:
@@ -380,4 +382,4 @@ def _real_time() -> float:
 
 
 def _is_controller(client: Client) -> bool:
-    return TRAJECTORY in client.advertised
+    return f"/{TRAJECTORY}" in client.advertised

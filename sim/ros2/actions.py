@@ -16,8 +16,8 @@ from .node import CellNode
 class Action:
     """Action that starts a task for each goal.
 
-    `start(goal)` returns the task, or raises `Rejected`. `fill(feedback, task)` fills in feedback.
-    The result of a failure has the error code `failed`.
+    `start(goal)` returns the task, or raises `Rejected`. `fill(feedback, task)` fills in feedback,
+    and `conclude(result, task)` a result. The result of a failure has the error code `failed`.
     """
 
     def __init__(
@@ -29,12 +29,14 @@ class Action:
         start: Callable[[Any], Running],
         fill: Callable[[Any, Running], None],
         failed: int,
+        conclude: Callable[[Any, Running], None] = lambda result, running: None,
     ) -> None:
         self._ros = ros
         self._name = name
         self._start = start
         self._fill = fill
         self._failed = failed
+        self._conclude = conclude
         self._accepted: Running | None = None
         self._running: dict[bytes, tuple[Any, Running]] = {}
         self._type = ros.provide_action(
@@ -84,6 +86,7 @@ class Action:
         await end
         del self._running[bytes(handle.goal_id.uuid)]
         result, outcome = self._type.Result(), str(running.result)
+        self._conclude(result, running)
         if handle.is_cancel_requested:
             handle.canceled()
         elif outcome == SUCCEEDED:

@@ -1,4 +1,4 @@
-"""Topics of vehicles, as Nav2 has them, and of gantries, as ros2_control has them."""
+"""Topics of vehicles, as Nav2 has them, and the action of a gantry, as ros2_control has it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import array
 import math
 from typing import Any
 
-from ..cell import Cell, JointPoint, JointTrajectory, Pose, Running
+from ..cell import Cell, Pose, Running
 from ..cell.signals import SCANS
-from ..cell.trajectories import JOINTS, joint_values
+from ..competition.machine_topics import trajectory_of
+from ..competition.messages import joint_state
 from ..exports.scene import ROOT_FRAME
 from ..machines.gantry.robot import GantryRobot
 from .actions import Action
-from .messages import pose_of, seconds, set_header, set_pose, set_twist, within
+from .messages import pose_of, set_header, set_pose, set_twist, within
 from .node import CellNode
+from .transport import values_of
 
 STAMPED, PLAIN = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"
 """Types of velocity commands: of Nav2 since Kilted, and before."""
@@ -119,62 +121,28 @@ class VehicleTopics:
         self._scans.publish(message)
 
 
-CONTROLLER = "gantry_controller"
-"""Name of the controller, which precedes its topic and its action."""
-
 INVALID_GOAL = -1
 """Error code of FollowJointTrajectory."""
 
 
-class GantryJoints:
-    """Publisher of `joint_states`. Trajectories come from a topic or an action."""
+def gantry_action(ros: CellNode, cell: Cell, name: str) -> Action:
+    """Provide the action in which a gantry follows a trajectory."""
 
-    def __init__(self, ros: CellNode, cell: Cell, machine: GantryRobot) -> None:
-        self._cell = cell
-        self._machine, name = machine, machine.name
-        self._states = ros.publish_on("joint_states", "sensor_msgs/msg/JointState")
-        self.actions: list[Action] = []
-        if (command := cell.commands.get(f"machines/{name}/joints")) is not None:
-            ros.subscribe(
-                f"{CONTROLLER}/joint_trajectory",
-                "trajectory_msgs/msg/JointTrajectory",
-                lambda message: command.take(_trajectory(message)),
-            )
-        if (task := cell.tasks.get(f"machines/{name}/trajectory")) is not None:
-            action = Action(
-                ros,
-                f"{CONTROLLER}/follow_joint_trajectory",
-                "control_msgs/action/FollowJointTrajectory",
-                start=lambda goal: task.start(_trajectory(goal.trajectory)),
-                fill=self._fill,
-                failed=INVALID_GOAL,
-            )
-            self.actions.append(action)
+    def fill(feedback: Any, _: Running) -> None:
+        machine = cell.simulation.machines[name]
+        assert isinstance(machine, GantryRobot)
+        actual = joint_state(cell.now, machine.gantry, machine.state)
+        set_header(feedback.header, cell.now, "")
+        feedback.joint_names, feedback.actual.positions = actual["name"], actual["position"]
+        feedback.actual.velocities = actual["velocity"]
 
-    def publish(self) -> None:
-        """Publish positions and velocities of the joints."""
-        if self._states.is_needed:
-            message = self._states.new(name=[*JOINTS])
-            set_header(message.header, self._cell.now, "")
-            message.position, message.velocity = self._read()
-            self._states.publish(message)
-
-    def _read(self) -> tuple[list[float], list[float]]:
-        """Return positions and velocities."""
-        gantry, state = self._machine.gantry, self._machine.state
-        velocities = joint_values(gantry, state.velocity, origin=False)
-        return [*joint_values(gantry, state.position)], [*velocities]
-
-    def _fill(self, feedback: Any, _: Running) -> None:
-        set_header(feedback.header, self._cell.now, "")
-        feedback.joint_names = [*JOINTS]
-        feedback.actual.positions, feedback.actual.velocities = self._read()
-
-
-def _trajectory(message: Any) -> JointTrajectory:
-    """Return a trajectory_msgs/JointTrajectory as the cell has it."""
-    points = [
-        JointPoint(tuple(point.positions), tuple(point.velocities), seconds(point.time_from_start))
-        for point in message.points
-    ]
-    return JointTrajectory(tuple(message.joint_names), tuple(points))
+    return Action(
+        ros,
+        "gantry_controller/follow_joint_trajectory",
+        "control_msgs/action/FollowJointTrajectory",
+        start=lambda goal: cell.tasks[f"machines/{name}/trajectory"].start(
+            trajectory_of(values_of(goal.trajectory))
+        ),
+        fill=fill,
+        failed=INVALID_GOAL,
+    )

@@ -26,8 +26,6 @@ class Monitoring:
         self._status = ros.find("diagnostic_msgs/msg/DiagnosticStatus", "/diagnostics")
         self._value = ros.find("diagnostic_msgs/msg/KeyValue", "/diagnostics")
         self._pairs = [(n, s) for n, s in cell.signals.items() if n.startswith("monitor/")]
-        for event in cell.simulation.events:
-            self._publish_event(event)
         cell.signals["events"].watch(self._publish_event)
 
     def _publish_event(self, event: Event) -> None:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..cell import Cell, Pose, Running
+from ..cell import Cell, Pose, Rejected, Running
+from ..cell.tasks import CANCELLED, SUCCEEDED
 from .actions import Action
 from .messages import pose_of, set_header, set_pose, set_time
 from .node import CellNode
+from .transport import element_of
 
 ACTIVE = 3
 """Id of the state "active" of a lifecycle node."""
@@ -21,9 +23,10 @@ SLOWEST = 0.01
 
 
 class _Kind(NamedTuple):
-    """Name, type, code of an unknown error, and goal of an action of Nav2."""
+    """Name, task, type, code of an unknown error, and goal of an action of Nav2."""
 
     name: str
+    task: str
     interface: str
     unknown: int
     goal: Callable[[Any], Any]
@@ -39,17 +42,24 @@ def _poses(goal: Any) -> list[Pose]:
     return [pose_of(one.pose, one.header.frame_id) for one in poses]
 
 
+def _waypoints(goal: Any) -> list[Pose]:
+    if goal.number_of_loops or goal.goal_index:
+        value = goal.number_of_loops, goal.goal_index
+        raise Rejected("number_of_loops and goal_index", value, "must be 0")
+    return _poses(goal)
+
+
 def _path(goal: Any) -> list[Pose]:
     frame = goal.path.header.frame_id
     return [pose_of(one.pose, one.header.frame_id or frame) for one in goal.path.poses]
 
 
-KINDS: Mapping[str, _Kind] = {
-    "go_to": _Kind("navigate_to_pose", "NavigateToPose", 9000, _pose),
-    "go_through": _Kind("navigate_through_poses", "NavigateThroughPoses", 9100, _poses),
-    "follow": _Kind("follow_path", "FollowPath", 100, _path),
-}
-"""Action of each task."""
+KINDS = (
+    _Kind("navigate_to_pose", "go_to", "NavigateToPose", 9000, _pose),
+    _Kind("navigate_through_poses", "go_through", "NavigateThroughPoses", 9100, _poses),
+    _Kind("follow_waypoints", "go_through", "FollowWaypoints", 600, _waypoints),
+    _Kind("follow_path", "follow", "FollowPath", 100, _path),
+)
 
 
 def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Iterator[Action]:
@@ -57,14 +67,17 @@ def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Itera
 
     The names begin with the name of the body, so that the names of Nav2 remain free.
     """
-    read_velocity = cell.signals[f"{body}/velocity"].read
+    velocity_of = cell.signals[f"{body}/velocity"]
 
-    def start(task: str, goal: Any) -> Running:
-        return cell.tasks[f"{body}/{task}"].start(KINDS[task].goal(goal))
+    def start(kind: _Kind, goal: Any) -> Running:
+        return cell.tasks[f"{body}/{kind.task}"].start(kind.goal(goal))
 
     def fill(feedback: Any, running: Running) -> None:
-        progress, velocity = running.feedback(), read_velocity()
+        progress, velocity = running.feedback(), velocity_of.read()
         speed = math.hypot(velocity.x, velocity.y)
+        if hasattr(feedback, "current_waypoint"):  # of FollowWaypoints
+            feedback.current_waypoint = len(running.goal) - progress.waypoints
+            return
         if hasattr(feedback, "distance_to_goal"):  # of FollowPath
             feedback.distance_to_goal = float(progress.remaining)
             feedback.speed = speed
@@ -77,15 +90,50 @@ def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Itera
             set_time(feedback.estimated_time_remaining, progress.remaining / speed)
         if hasattr(feedback, "number_of_poses_remaining"):  # of NavigateThroughPoses
             feedback.number_of_poses_remaining = progress.waypoints
+        _set_waypoints(feedback, running)
 
     ros.provide(
         f"{namespace}/bt_navigator/get_state", "lifecycle_msgs/srv/GetState", _answer_active
     )
-    for task, kind in KINDS.items():
-        if f"{body}/{task}" in cell.tasks:
-            name, interface = f"{namespace}/{kind.name}", f"nav2_msgs/action/{kind.interface}"
-            starting = partial(start, task)
-            yield Action(ros, name, interface, start=starting, fill=fill, failed=kind.unknown)
+    for kind in KINDS:
+        if f"{body}/{kind.task}" in cell.tasks:
+            yield Action(
+                ros,
+                f"{namespace}/{kind.name}",
+                f"nav2_msgs/action/{kind.interface}",
+                start=partial(start, kind),
+                fill=fill,
+                failed=kind.unknown,
+                conclude=partial(_set_waypoints, code=kind.unknown),
+            )
+
+
+def _set_waypoints(message: Any, running: Running, code: int = 0) -> None:
+    """Set the states of all waypoints of a task, or those that it missed, if there is a field."""
+    reached = len(running.goal) - running.feedback().waypoints if _lists(message) else 0
+    outcome = str(running.result) if running.ended else ""
+    for field in _lists(message):
+        status = element_of(message, field)
+        for k, pose in enumerate(running.goal):
+            has_failed = k == reached and outcome not in ("", SUCCEEDED, CANCELLED)
+            if field == "missed_waypoints" and not has_failed:
+                continue
+            state = "FAILED" if has_failed else "COMPLETED" if k < reached else "PENDING"
+            getattr(message, field).append(one := status())
+            if has_failed:
+                one.error_code = code
+            if hasattr(one, "waypoint_status"):
+                one.waypoint_status, one.waypoint_index = getattr(one, state), k
+                one.error_msg = outcome if has_failed else ""
+                stamped = one.waypoint_pose
+            else:  # MissedWaypoint, before Kilted
+                one.index, stamped = k, one.goal
+            set_header(stamped.header, 0.0)
+            set_pose(stamped.pose, pose)
+
+
+def _lists(message: Any) -> list[str]:
+    return [name for name in ("waypoint_statuses", "missed_waypoints") if hasattr(message, name)]
 
 
 def _answer_active(_: Any, response: Any) -> Any:

@@ -10,9 +10,11 @@ from typing import Any
 from rclpy.action import ActionServer
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
 
 from ..cell import Rejected
 from ..cell.admission import Notices
+from ..competition import RefusedError
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """Later subscribers get the last message too."""
@@ -32,13 +34,18 @@ class RosTopic:
         self._publisher = publisher
 
     @property
+    def exists(self) -> bool:
+        """Whether the type is installed."""
+        return self._publisher is not None
+
+    @property
     def is_needed(self) -> bool:
         """Whether there is a subscriber."""
-        return self._publisher is not None and self._publisher.get_subscription_count() > 0
+        return self.exists and self._publisher.get_subscription_count() > 0
 
     def publish(self, message: Any) -> None:
         """Publish a message."""
-        if self._publisher is not None:
+        if self.exists:
             self._publisher.publish(message)
 
 
@@ -50,9 +57,10 @@ class CellNode:
 
     def __init__(self, node: Node, notice: Callable[[str], None]) -> None:
         self.node = node
-        self._notice = notice
+        self.notice = notice
         self._omitted: dict[str, set[str]] = {}
         self._notices = Notices(notice)
+        self._turns: list[Future] = []
 
     def find(self, interface: str, use: str) -> Any:
         """Return a class such as "nav_msgs/msg/Odometry". Without it, omit its use: None."""
@@ -66,7 +74,7 @@ class CellNode:
     def report_omitted(self) -> None:
         """Name the packages that are not installed, and what is missing without them."""
         for package, uses in self._omitted.items():
-            self._notice(f"without the ROS package {package}: no {', '.join(sorted(uses))}")
+            self.notice(f"without the ROS package {package}: no {', '.join(sorted(uses))}")
 
     def publish_on(self, topic: str, interface: str, qos: Any = DEPTH) -> RosTopic:
         """Return a topic to publish on."""
@@ -100,6 +108,18 @@ class CellNode:
             ActionServer(self.node, action, name, result_timeout=RESULTS_LAST, **callbacks)
         return action
 
+    def next_turn(self) -> Future:
+        """Return a future that is done after the executor has served other requests."""
+        self._turns.append(turn := Future())
+        return turn
+
+    def end_turn(self) -> bool:
+        """End a turn of the executor. Return whether a coroutine waited for it."""
+        turns, self._turns = self._turns, []
+        for turn in turns:
+            turn.set_result(None)
+        return bool(turns)
+
     @contextmanager
     def rejecting(self, name: str) -> Iterator[None]:
         """Inform the user if a command is rejected."""
@@ -107,6 +127,8 @@ class CellNode:
             yield
         except Rejected as why:
             self.warn(name, str(why).removeprefix(f"{why.name} "), why.reason)
+        except RefusedError as why:
+            self.warn(name, str(why))
 
     def warn(self, about: str, line: str, reason: str = "") -> None:
         """Inform the user once for each topic and reason."""

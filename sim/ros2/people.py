@@ -19,12 +19,21 @@ class People:
     """Publisher of all people on the floor, in each type that is installed.
 
     `advance(seconds)` advances the simulation for HuNavSim's service `compute_agents`. It
-    returns False if time is not stepped.
+    returns False if time is not stepped. `reset()` begins the run again. It is None if that is not
+    possible.
     """
 
-    def __init__(self, ros: CellNode, cell: Cell, advance: Callable[[float], bool]) -> None:
+    def __init__(
+        self,
+        ros: CellNode,
+        cell: Cell,
+        advance: Callable[[float], bool],
+        reset: Callable[[], None] | None,
+    ) -> None:
+        self._ros = ros
         self._cell = cell
         self._advance = advance
+        self._begin_again = reset
         self._last_request: float | None = None
         self._people = ros.publish_on("people", "people_msgs/msg/People")
         self._person = ros.find("people_msgs/msg/Person", "people")
@@ -86,9 +95,12 @@ class People:
     def _compute(self, request: Any, response: Any) -> Any:
         """Advance by the time between two requests, and return the people."""
         now = seconds(request.current_agents.header.stamp)
-        if self._last_request is not None and now > self._last_request:
-            self._advance(now - self._last_request)
-        self._last_request = now
+        last, self._last_request = self._last_request, now
+        if last is not None and now > last:
+            self._advance(now - last)
+        elif last is not None and now < last:
+            line = f"the clock went back from {last:g} to {now:g} s"
+            self._ros.warn("compute_agents", line, "clock")
         self._fill_agents(response.updated_agents)
         response.updated_agents.header = request.current_agents.header
         return response
@@ -99,7 +111,9 @@ class People:
         return response
 
     def _reset(self, _: Any, response: Any) -> Any:
-        """Accept that the clock of the other simulator starts again. People stay where they are."""
-        self._last_request = None
-        response.ok = True
+        """Begin the run again, with people at their first places."""
+        response.ok = self._begin_again is not None
+        if self._begin_again is not None:
+            self._begin_again()
+            self._last_request = None
         return response

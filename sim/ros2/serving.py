@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from contextlib import redirect_stdout
 from functools import partial
 from io import StringIO
+from typing import Any
 
 import rclpy
 from rclpy.exceptions import NameValidationException
@@ -18,15 +19,19 @@ from floorplan import UserError
 
 from ..cell import Cell, Pace
 from ..cell.names import plain, prefix_of
-from ..machines.gantry.robot import GantryRobot
+from ..competition import CompetitionTopics, Values, add_gantry
+from ..competition.topics import ENDED, STARTED
 from ..simulation import Simulation
+from .actions import Action
 from .control import Control
+from .entities import Entities
 from .frames import Frames, publish_map
-from .machines import GantryJoints, VehicleTopics
+from .machines import VehicleTopics, gantry_action
 from .monitoring import Markers, Monitoring
 from .navigation import navigation_of
 from .node import CellNode
 from .people import People
+from .transport import RosTransport
 
 try:
     # Since Kilted. It does not look through all entities of the node before each callback.
@@ -49,6 +54,8 @@ LAST_WAIT = 0.5
 DIAGNOSTICS = 1
 """Hz: the rate of diagnostics."""
 
+TRIGGER = "std_srvs/Trigger"
+
 
 LAST_DOMAIN = 232
 """Highest domain of which DDS can calculate the ports. It ends the process for higher ones."""
@@ -66,6 +73,7 @@ def serve(
     speed: float = 1.0,
     step: bool = False,
     notice: Callable[[str], None] = lambda _: None,
+    restart: Callable[[], Simulation] | None = None,
 ) -> None:
     """Serve a simulation to ROS 2 until its trial is over.
 
@@ -84,6 +92,9 @@ def serve(
         Advance only by the services of simulation_interfaces.
     notice : callable, optional
         Function that gets lines for the user.
+    restart : callable, optional
+        Function that finishes the simulation, and returns another one of the same trial, which
+        is served from then on. Services that reset the simulation need it.
 
     Raises
     ------
@@ -100,7 +111,7 @@ def serve(
     except (RuntimeError, ValueError, NameValidationException) as why:
         raise RosError(f"ROS cannot start the node: {' '.join(str(why).split())}") from why
     try:
-        _RosServer(node, simulation, speed, step, notice).run()
+        _RosServer(node, simulation, speed, step, notice, restart).run()
     finally:
         rclpy.shutdown(context=context)
 
@@ -115,7 +126,9 @@ class _RosServer:
         speed: float,
         step: bool,
         notice: Callable[[str], None],
+        restart: Callable[[], Simulation] | None,
     ) -> None:
+        self._restart = restart
         self._pace = Pace(simulation, speed=speed, step=step)
         self._cell = cell = Cell(simulation, self._pace)
         ros = self._ros = CellNode(node, notice)
@@ -133,31 +146,39 @@ class _RosServer:
             frames.publish_vehicles,
             *(vehicle.publish_odometry for vehicle in self._vehicles),
         ]
-        gantries = [
-            GantryJoints(ros, cell, machine)
-            for machine in simulation.machines.values()
-            if isinstance(machine, GantryRobot)
-        ]
-        actions = self._actions = [action for gantry in gantries for action in gantry.actions]
+        transport = RosTransport(ros)
+        self._competition = CompetitionTopics(cell, transport)
+        transport.provide("/ariac/start_competition", TRIGGER, self._answer_start)
+        transport.provide("/ariac/end_competition", TRIGGER, self._end)
+        actions: list[Action] = []
+        self._actions = actions
+        if simulation.gantry is not None:
+            add_gantry(cell, transport, root="")
+            actions.append(gantry_action(ros, cell, simulation.gantry.name))
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name in vehicles]
         for body in bodies:
             actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
+        reset = self._reset if restart is not None else None
         slowly = [
             frames.publish_bodies,
-            People(ros, cell, self._advance_by).publish,
+            People(ros, cell, self._advance_by, reset).publish,
             Markers(ros, cell).publish,
             *(vehicle.publish_scan for vehicle in self._vehicles),
-            *(each.publish for each in gantries),
+            transport.publish_state,
             *(each.publish for each in actions),
         ]
-        Control(ros, cell, self._pace, partial(self._advance_by, 1 / RATE))
+        Control(ros, self._pace, partial(self._advance_by, 1 / RATE), reset)
+        Entities(ros, cell)
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
         self._executor = Executor(context=node.context)
         with redirect_stdout(StringIO()):  # rclpy prints that many actions may be inefficient
             self._executor.add_node(node)
             self._executor.spin_once(timeout_sec=0.0)
+        self._competition.enter(STARTED)
+        for event in simulation.events:
+            cell.signals["events"].send(event)
         _publish(self._state)
         self._pace.every(1 / RATE, partial(_publish, self._state))
         self._pace.every(1 / SLOWLY, partial(_publish, slowly))
@@ -170,22 +191,47 @@ class _RosServer:
         pace, look_at = self._pace, 0.0
         while not pace.over:
             delay = pace.delay() if self._runs else LONGEST_WAIT
-            self._executor.spin_once(timeout_sec=min(max(delay, 0.0), LONGEST_WAIT))
+            is_due = self._ros.end_turn()
+            wait = 0.0 if is_due else min(max(delay, 0.0), LONGEST_WAIT)
+            self._executor.spin_once(timeout_sec=wait)
             pace.catch_up(LONGEST_WAIT * pace.speed)
             if time.monotonic() > look_at:
                 look_at = time.monotonic() + LONGEST_WAIT
-                for vehicle in self._vehicles:
-                    vehicle.listen()
+                self._look()
             if self._runs and pace.give_up():
                 self._ros.warn("speed", f"this machine is too slow for --speed {pace.speed:g}")
         self._cell.update()
         _publish(self._state)
+        self._competition.enter(ENDED)
         last = time.monotonic()
         if any(action.is_busy for action in self._actions):
             last += LAST_WAIT
         while time.monotonic() < last:
             self._executor.spin_once(timeout_sec=LONGEST_WAIT)
         pace.check()
+
+    def _answer_start(self, _: Any, __: Values) -> Values:
+        return {"success": True, "message": "it has been started already"}
+
+    def _end(self, _: Any, __: Values) -> Values:
+        self._pace.end()
+        return {"success": True, "message": f"ended at t = {self._cell.now:g} s"}
+
+    def _look(self) -> None:
+        """React to publishers that have come or gone."""
+        for vehicle in self._vehicles:
+            vehicle.listen()
+        if self._ros.node.count_publishers("/clock") > 1:
+            self._ros.warn("/clock", "several publishers, because another simulator runs")
+
+    def _reset(self) -> None:
+        """Begin the run again, with another simulation."""
+        assert self._restart is not None
+        at = self._cell.now
+        self._competition.enter(STARTED)
+        self._cell.continue_with(self._restart())
+        self._ros.notice(f"reset at t = {at:g} s: the clock starts again")
+        _publish(self._state)
 
     @property
     def _runs(self) -> bool:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+from floorplan.files.dataclass import dataclass
 from navigation import (
     Apart,
     Approaching,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Iterator, MutableSequence, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
 from floorplan import Point
+from floorplan.files.dataclass import dataclass
 from navigation.kernels.committed import Movers
 from navigation.kernels.discs import Swath
 from navigation.kernels.edges import legs_of
