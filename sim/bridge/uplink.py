@@ -15,7 +15,7 @@ from contextlib import suppress
 from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
+from websockets.exceptions import InvalidHandshake, InvalidURI
 
 from floorplan import UserError
 
@@ -112,8 +112,7 @@ class ServerLink(Client):
         self._numbers = itertools.count(1)
 
     async def __aenter__(self) -> ServerLink:
-        """Start to handle messages of the server."""
-        self._sending = asyncio.create_task(self._send_all())
+        """Start to handle messages of the server, and to send messages."""
         self._reading = asyncio.create_task(self._read())
         return self
 
@@ -121,9 +120,8 @@ class ServerLink(Client):
         """Send everything that is waiting, and disconnect."""
         if kind is None:
             await self.idle(PATIENCE)
-        for task in (self._reading, self._sending):
-            task.cancel()
-        await asyncio.gather(self._reading, self._sending, return_exceptions=True)
+        self._reading.cancel()
+        await asyncio.gather(self._reading, return_exceptions=True)
         self._exchange.forget(self)
         await self._socket.close()
 
@@ -181,15 +179,9 @@ class ServerLink(Client):
     def _let_go(self, why: str) -> None:
         self._closing = asyncio.ensure_future(self._socket.close())
 
-    async def _send_all(self) -> None:
-        with suppress(ConnectionClosed):
-            await self.send_forever()
-
     async def _read(self) -> None:
         """Handle messages. Errors of the exchange are raised in `call` and `wait`."""
-        with suppress(ConnectionClosed):
-            async for text in self._socket:
-                self.take(text)
+        await self.attend(self._socket, self.take)
         raise LostError("the connection broke off")
 
     def take(self, text: str | bytes) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from random import Random
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, WrapValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, WrapValidator, model_validator
 from typing_extensions import Self
 
 import bdi
@@ -19,6 +19,7 @@ from floorplan import Floorplan, InputError, Point, Problem, SafeZone, UserError
 from floorplan.checks import starting_fault
 from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
+    Constrained,
     Expected,
     Fits,
     Flag,
@@ -105,7 +106,7 @@ class TrialError(InputError):
 NAME = r"[^\W\d_][\w-]*"
 """Regular expression of the names of people, machines and work lists."""
 
-Name = Annotated[str, Field(pattern=f"^{NAME}$")]
+Name = Annotated[str, Constrained(pattern=f"^{NAME}$")]
 
 Personality = Annotated[str | bdi.Program, Written(str)]
 """Built-in name, .asl file, "external", or a program."""

@@ -19,7 +19,8 @@ from pydantic import Field, model_validator
 from floorplan import InputError, Problem, UserError
 from floorplan.files.dataclass import dataclass
 from floorplan.files.documents import Document, parse_yaml, read_yaml
-from floorplan.files.fields import Flag, Number, Pair, Positive, Strictly, whole
+from floorplan.files.fields import Flag, Number, Pair, Positive, whole
+from floorplan.files.models import Strictly
 from floorplan.files.problems import field_name, suggestion
 from floorplan.files.reading import is_there
 

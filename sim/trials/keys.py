@@ -17,8 +17,9 @@ from typing_extensions import Self
 from floorplan import UserError
 from floorplan.files.dataclass import dataclass
 from floorplan.files.documents import read_yaml
-from floorplan.files.fields import Flag, Number, Strictly, whole
+from floorplan.files.fields import Flag, Number, whole
 from floorplan.files.forms import Written, called, fields_of
+from floorplan.files.models import Strictly
 
 from ..core.entries import Command
 from ..core.rules import PAPER

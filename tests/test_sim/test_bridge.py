@@ -502,7 +502,8 @@ def act_as_the_simulation(client, heard):
     client.publish("/ariac/competition_state", competition_state=4)
 
 
-def test_an_agent_whose_connection_breaks_off_tries_again():
+def test_an_agent_whose_connection_breaks_off_tries_again(monkeypatch):
+    monkeypatch.setattr("sim.bridge.uplink._FIRST_RETRY", 0.01)
     notices, a_trial = [], trial("antagonistic")
     with relay() as url:
 
@@ -618,7 +619,7 @@ def test_a_flood_and_a_killed_client_do_not_disturb_other_clients(tmp_path):
     text = HALL.replace("personality: external", "personality: indifferent").replace(
         "duration: 40", "duration: 400"
     )
-    with served(sim.Trial.parse(text), recording, speed=2.0) as session:
+    with served(sim.Trial.parse(text), recording, speed=10.0) as session:
         with Client(session.url) as listener, Client(session.url) as flooding:
             listener.subscribe("/clock", queue_length=1000)
             killed = Client(session.url).__enter__()

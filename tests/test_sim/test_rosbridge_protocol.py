@@ -460,7 +460,7 @@ def send(client, message):
 
 def test_an_external_controller_moves_the_gantry():
     """The rules apply: the gantry is disabled when it comes too close, and an error reports it."""
-    a_trial = trial("indifferent", duration=40.0, controller="external", start=30.0)
+    a_trial = trial("indifferent", duration=20.0, controller="external", start=10.0)
     with served(a_trial, speed=20.0) as session, Client(session.url) as client:
         assert "no gantry controller" in session.notices[-1]
         client.send(op="advertise", topic=TOPIC, type="trajectory_msgs/JointTrajectory")

@@ -18,8 +18,8 @@ from floorplan.files.fields import (
     Pair,
     Positive,
     Range,
-    Strictly,
 )
+from floorplan.files.models import Strictly
 from floorplan.files.problems import Fault
 from navigation.machines import AxisLimits, Stop, longest_stop
 
