@@ -43,7 +43,9 @@ import floorplan, navigation, sim
 from navigation.carried import carried
 from navigation import kernels
 from navigation.kernels import COMPILED
+from navigation.kernels.areas import Polygons, poses_along, swept
 from navigation.kernels.lookout import most_remote, nearest_on
+from navigation.kernels.numbers import numbers
 from navigation.machines import agv_stops, gantry_stops
 from navigation.monitor import StoppingHorizon
 
@@ -93,6 +95,11 @@ for _ in range(40):
     person = navigation.walk([place() for _ in range(4)], rng.uniform(0, 3))
     twist = rng.uniform(-1, 1), rng.uniform(-1, 1)
     machine = navigation.vehicle_twist((*place(), rng.uniform(-3, 3)), twist, seconds=4.0)
+    poses = poses_along(machine.table, 0.3, machine.end)
+    corner = numbers([c for point in corners for c in point])
+    areas = [swept(poses, corner, corner, turns) for turns in (True, False)]
+    met = Polygons(areas[0]).meet(Polygons(swept(numbers((*place(), 1.0)), corner, corner, True)))
+    digest.update(repr(([[[*one] for one in area] for area in areas], met)).encode())
     digest.update(repr((
         fields.applying(machine, 0.0, 9.0),
         [*carried(machine, *place()).table],
