@@ -6,3 +6,4 @@ cdef Py_ssize_t _added(
 ) noexcept
 cdef double turn_of(Position a, Position b, Position c) noexcept
 cpdef bint is_apart(Numbers polygon, Numbers points) noexcept
+cdef bint meets_edge(Numbers polygon, Edge e) noexcept

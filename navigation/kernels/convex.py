@@ -72,3 +72,22 @@ def is_apart(polygon: Numbers, points: Numbers) -> bool:
         if apart:
             return True
     return False
+
+
+def meets_edge(polygon: Numbers, e: Edge) -> bool:
+    """Return whether an edge and a polygon have a common point."""
+    count: cython.Py_ssize_t = position_count(polygon)
+    p: Positions = positions_of(polygon)
+    a: Position = Position(e.ax, e.ay)
+    b: Position = Position(e.bx, e.by)
+    left: bool = False
+    right: bool = False
+    k: cython.Py_ssize_t
+    for k in range(count):
+        after: Position = p[k + 1 if k + 1 < count else 0]
+        if turn_of(p[k], after, a) < 0.0 and turn_of(p[k], after, b) < 0.0:
+            return False
+        side: float = turn_of(a, b, p[k])
+        left = left or side >= 0.0
+        right = right or side <= 0.0
+    return left and right
