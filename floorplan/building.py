@@ -4,9 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     BeforeValidator,
-    Discriminator,
     Field,
-    Tag,
     TypeAdapter,
     ValidationInfo,
     create_model,
@@ -16,11 +14,24 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 from typing_extensions import Self
 
-from .files.fields import Angle, Flag, Number, Pair, Position, Positive, Range, Strictly
+from .files.fields import Angle, Flag, Number, Pair, Position, Positive, Range
 from .files.footprints import FootprintKeys, Ring
-from .files.forms import CALLED, Written, called, fields_of, form_keys
+from .files.forms import CALLED, Tagged, Written, called, fields_of, form_keys
+from .files.models import Strictly
 from .files.problems import UserError
-from .model import Door, Gantry, Gate, Human, Lane, Name, Obstacle, SafeZone, Station, Zone
+from .model import (
+    OF_ONE_LANE,
+    Door,
+    Gantry,
+    Gate,
+    Human,
+    Lane,
+    Name,
+    Obstacle,
+    SafeZone,
+    Station,
+    Zone,
+)
 
 
 class MaskKeys(Strictly):
@@ -74,18 +85,10 @@ def _tag(keys: Any) -> str:
 
 _ZoneOrMask = Annotated[
     Zone | MaskKeys,
-    Written(
-        Annotated[
-            Annotated[Zone, Tag("\0zone")] | Annotated[MaskForm, Tag("\0mask")],
-            Discriminator(_tag),
-        ]
-    ),
+    Tagged(_tag, {"\0zone": Zone, "\0mask": MaskForm}),
     BeforeValidator(_as_zone),
 ]
 
-
-OF_ONE_LANE: dict[str, Any] = {"origin": ..., "heading": 0.0, "serves": {}}
-"""Keys that AGVs do not share, with their defaults."""
 
 _LANE_KEYS: dict[str, Any] = dict(form_keys(Lane))
 

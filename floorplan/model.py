@@ -6,18 +6,30 @@ up.
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from fnmatch import fnmatchcase
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Any
 
 import shapely
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, model_validator
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
-from .files.fields import KEYS, Angle, ComposedKeys, Flag, Number, Pair, Position, Positive, Range
+from .files.dataclass import dataclass
+from .files.fields import (
+    KEYS,
+    Angle,
+    ComposedKeys,
+    Constrained,
+    Flag,
+    Number,
+    Pair,
+    Position,
+    Positive,
+    Range,
+)
 from .files.footprints import (
     Area,
     ArmBottom,
@@ -32,7 +44,7 @@ from .files.footprints import (
     Torso,
     Width,
 )
-from .files.forms import CALLED, Written
+from .files.forms import CALLED, Alias, Written
 from .files.problems import Problem, UserError
 from .files.values import NamedField
 
@@ -45,18 +57,18 @@ EVERYBODY = ("*",)
 Point = tuple[float, float]
 """Position on the floor: x, y in metres."""
 
-Name = Annotated[str, Field(min_length=1)]
+Name = Annotated[str, Constrained(min_length=1)]
 """Text that is not empty."""
 
-Called = Annotated[str, Field(alias=CALLED)]
+Called = Annotated[str, Alias(CALLED)]
 """Name of an entry, under which a file has its keys."""
 
-Ends = Annotated[tuple[Pair, Pair], Field(alias="between")]
+Ends = Annotated[tuple[Pair, Pair], Alias("between")]
 """Ends (x, y) of a line in metres."""
 
 Concerns = Annotated[
     tuple[str, ...],
-    Written(Annotated[list[Name], Field(min_length=1)]),
+    Written(Annotated[list[Name], Constrained(min_length=1)]),
     AfterValidator(tuple),
 ]
 """Names of people and AGVs, or patterns of names."""
@@ -162,7 +174,7 @@ class Door:
 
     name: Called
     ends: Ends
-    is_open: Annotated[Flag, Field(alias="open")] = True
+    is_open: Annotated[Flag, Alias("open")] = True
     thickness: Positive = 0.1
     height: Positive = DEFAULT_HEIGHT
 
@@ -317,7 +329,7 @@ class SafeZone:
 
     __pydantic_config__ = KEYS
 
-    position: Annotated[Position, Field(alias="at")]
+    position: Annotated[Position, Alias("at")]
     heading: Angle = 0.0
 
 
@@ -342,6 +354,10 @@ class Human:
     max_speed: Positive = 1.0
     max_acceleration: Positive = 2.5
     goal_tolerance: Positive = 0.25
+
+
+OF_ONE_LANE: dict[str, Any] = {"origin": ..., "heading": 0.0, "serves": {}}
+"""Keys of a lane that AGVs do not share, with their defaults."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

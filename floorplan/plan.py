@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 
 import shapely
 from shapely.geometry import Polygon
 
-from .building import OF_ONE_LANE
 from .checks import check
+from .files.dataclass import dataclass
 from .files.documents import MOST_TEXT, yaml_text
 from .files.footprints import ring_keys
 from .files.forms import Data, plain, written
 from .files.problems import UserError
 from .formats import OF_SUFFIX, ROS_MAP, WRITTEN, YAML, function
-from .model import Floor, Lane
+from .model import OF_ONE_LANE, Floor, Lane
 
 
 def floor_keys(plan: Floor) -> Data:
@@ -143,6 +141,8 @@ class Floorplan(Floor):
 
     def _repr_html_(self) -> str:
         """Return a small picture for notebooks."""
+        from html import escape
+
         west, south, east, north = self.boundary.bounds
         size = max(east - west, north - south) or 1.0
         fine = size / 1000

@@ -14,7 +14,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import MutableSequence, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
 from floorplan import Point
+from floorplan.files.dataclass import dataclass
 
 from .kernels.numbers import numbers
 

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cache, cached_property
 from typing import Any, Literal, NamedTuple, TypeAlias
 
@@ -17,6 +17,7 @@ import ompl.geometric as og
 from numpy.typing import NDArray
 
 from floorplan import InputError, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.documents import parse_yaml
 from floorplan.files.problems import field_name, suggestion
 

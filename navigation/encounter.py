@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from typing import TypeAlias
 
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from typing_extensions import Self
 
 from floorplan import Gantry, Lane, Point
+from floorplan.files.dataclass import dataclass
 
 from .kernels.encounter import Gauge, PolygonGauge
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -13,6 +13,7 @@ from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 
 from .field_lengths import (
     STEP,
@@ -166,8 +167,10 @@ class _FieldMaker:
         points = []
         for share, bend in itertools.product(_SHARES, _SHARES):
             drive = limits, angle, share * speed, bend * turn, self.response_time
-            for x, y, rotation in zip(*on_arc(*drive), strict=True):
-                points.append(_rotated(corners, rotation) + np.array([x, y]))
+            x, y, rotation = on_arc(*drive)
+            c, s = np.cos(rotation), np.sin(rotation)
+            turned = corners @ np.array([[c, s], [-s, c]]).transpose(2, 0, 1)
+            points.append((turned + np.column_stack([x, y])[:, None]).reshape(-1, 2))
         return points
 
 

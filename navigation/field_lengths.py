@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -18,6 +17,7 @@ from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 
 from .fields import FieldSet, ProtectiveFields
 from .kernels.braking import braking

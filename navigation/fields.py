@@ -8,17 +8,18 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from operator import itemgetter
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator
 from shapely.geometry import Polygon
 
 from floorplan import UserError
 from floorplan.checks import polygon_fault
-from floorplan.files.fields import KEYS, Flag, Pair
+from floorplan.files.dataclass import dataclass
+from floorplan.files.fields import KEYS, Constrained, Flag, Pair
 
 from .kernels.fields import FieldSearch, FieldSwitches
 from .kernels.numbers import numbers
@@ -92,7 +93,7 @@ class FieldSet:
 
     __pydantic_config__ = KEYS
 
-    name: Annotated[str, Field(min_length=1)]
+    name: Annotated[str, Constrained(min_length=1)]
     protective: _CornersKey
     warning: _CornersKey = ()
     linear: _RangeKey = UNBOUNDED

@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import MutableSequence, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 import ruckig
 
 from floorplan import Gantry, Lane
+from floorplan.files.dataclass import dataclass
 
 from .kernels.braking import AxisStops, LaneStops, stands
 from .kernels.numbers import numbers

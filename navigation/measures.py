@@ -8,12 +8,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from floorplan.files.dataclass import dataclass
 
 from .kernels.discs import DiscWindow, first_conflict
 from .monitor import minimum_separation

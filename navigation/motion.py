@@ -10,12 +10,13 @@ import math
 from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from floorplan.files.dataclass import dataclass
 
 from .kernels.numbers import POSE_WIDTH, numbers
 from .kernels.pieces import Pack, between, breaks, evaluate, rest, state

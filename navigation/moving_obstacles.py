@@ -12,7 +12,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -20,6 +19,7 @@ from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
 from floorplan import Point
+from floorplan.files.dataclass import dataclass
 
 from .bodies import CollisionBody, Disc
 from .catalog import Path, PlanningError

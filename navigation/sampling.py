@@ -13,7 +13,6 @@ import math
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from numbers import Integral
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ import ompl.geometric as og
 import ompl.util as ou
 
 from floorplan import Point, UserError
+from floorplan.files.dataclass import dataclass
 
 from .catalog import (
     ITERATIONS,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from numbers import Real
 from typing import Any, Protocol, TypeAlias, TypeGuard
+
+from floorplan.files.dataclass import dataclass
 
 from .encounter import Shapes
 from .kernels.encounter import Encounter

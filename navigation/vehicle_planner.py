@@ -14,7 +14,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import fcl
 import numpy as np
@@ -26,6 +25,7 @@ from shapely.geometry import Polygon
 from shapely.geometry.polygon import orient
 
 from floorplan import Point, UserError
+from floorplan.files.dataclass import dataclass
 
 from .bodies import CollisionBody
 from .catalog import PlanningError

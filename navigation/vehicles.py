@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 from floorplan import Point, UserError
+from floorplan.files.dataclass import dataclass
 
 from .kernels.arcs import arc_table, twist_axis
 from .kernels.braking import Stops, braking

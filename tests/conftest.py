@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from floorplan.files.collector import frozen_collector
 from floorwalker import main
 from sim.core.compilation import notice_uncompiled
 from sim.core.events import EVENT_KINDS
@@ -47,6 +48,9 @@ if sys.dont_write_bytecode:
 
 notice_uncompiled()  # here, and not in the first test that runs a trial
 
+FROZEN = ExitStack()
+"""The state of the collector during all tests."""
+
 pytest_plugins = ["pytester"]
 if "floorwalker" not in entry_points(group="pytest11").names:
     # The sources are used without a new installation, so that pytest does not know the plugin yet.
@@ -60,12 +64,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 def pytest_collection_finish():
     """Exclude thousands of tests and libraries, which stay to the end, from garbage collection."""
     gc.collect()
-    gc.freeze()
+    FROZEN.enter_context(frozen_collector())
 
 
 def pytest_sessionfinish():
     """Return the objects to the collector, because nanobind reports remaining objects as leaks."""
-    gc.unfreeze()
+    FROZEN.close()
 
 
 @pytest.fixture(autouse=True)

@@ -8,6 +8,7 @@ from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -34,6 +35,7 @@ ROOMS = (
     ("runs",),
     ("simulation",),
     ("cell",),
+    ("competition",),
     ("live", "studies", "testing"),
     ("bridge", "gym", "ros2", "searches"),
     ("commands",),
@@ -81,25 +83,33 @@ def module_name(package, path):
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
+class Parsed(NamedTuple):
+    """Imports of a file, each with whether it is at the top level, and its classes with lines."""
+
+    imports: list[tuple[ast.Import | ast.ImportFrom, bool]]
+    classes: list[tuple[str, int]]
+
+
 @cache
 def parsed(path):
-    """Return the statements of a file, and all nodes of its tree."""
+    """Return the imports and classes of a file, without its tree, because trees are large."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    return tree.body, [*ast.walk(tree)]
+    top_level, nodes = set(map(id, tree.body)), [*ast.walk(tree)]
+    imports = [node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)]
+    classes = [(node.name, node.lineno) for node in nodes if isinstance(node, ast.ClassDef)]
+    return Parsed([(node, id(node) in top_level) for node in imports], classes)
 
 
 def imported(name, path, modules):
     """Return those of `modules` that a module imports, also for types alone and in functions."""
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-    for node in parsed(path)[1]:
+    for node, _ in parsed(path).imports:
         if isinstance(node, ast.Import):
             wanted = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
+        else:
             relative = "." * node.level + (node.module or "")
             base = resolve_name(relative, package)
             wanted = [f"{base}.{alias.name}" for alias in node.names]
-        else:
-            continue
         for module in wanted:
             while module and module not in modules:
                 module = module.rpartition(".")[0]
@@ -135,17 +145,15 @@ def test_rooms_import_only_from_rooms_above_them(graph):
 
 def imports(path):
     """Return (top package, module-level, line) of every absolute import in a file."""
-    body, nodes = parsed(path)
-    top_level = set(map(id, body))
-    for node in nodes:
+    for node, at_top in parsed(path).imports:
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+        elif node.level == 0:
             names = [node.module]
         else:
             continue
         for name in names:
-            yield name, id(node) in top_level, node.lineno
+            yield name, at_top, node.lineno
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -171,9 +179,8 @@ def test_no_class_name_occurs_twice():
     places = {}
     for package in PACKAGES:
         for path in sources(package):
-            for node in parsed(path)[1]:
-                if isinstance(node, ast.ClassDef):
-                    places.setdefault(node.name, []).append(f"{path}:{node.lineno}")
+            for name, line in parsed(path).classes:
+                places.setdefault(name, []).append(f"{path}:{line}")
     assert {name: where for name, where in places.items() if len(where) > 1} == {}
 
 

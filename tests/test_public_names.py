@@ -80,7 +80,8 @@ def test_functions_document_each_parameter():
 
 def documented_members(package):
     """Yield the public functions and methods of a package, as its API page finds them."""
-    extensions = griffe.load_extensions("griffe_inherited_docstrings")
+    dataclasses_extension = str(ROOT / "docs/griffe_dataclasses.py")
+    extensions = griffe.load_extensions("griffe_inherited_docstrings", dataclasses_extension)
     module = importlib.import_module(package)
     folder = Path(module.__file__).parents[1]  # of the sources, or where the package is installed
     package_docs = griffe.load(

@@ -30,21 +30,28 @@ def paused_collector() -> Iterator[None]:
             gc.enable()
 
 
+_is_frozen = False
+"""Whether `frozen_collector` is active. Counting the frozen objects would take milliseconds."""
+
+
 @contextmanager
 def frozen_collector() -> Iterator[None]:
     """Exempt all existing objects from garbage collection, and collect new ones less often.
 
-    Nothing changes if the collector is disabled, or if the program has frozen objects itself,
-    because `gc.unfreeze` would release these, too.
+    Nothing changes inside another `frozen_collector`, if the collector is disabled, or if the
+    program has frozen objects itself, because `gc.unfreeze` would release these, too.
     """
-    if not gc.isenabled() or gc.get_freeze_count():
+    global _is_frozen
+    if _is_frozen or not gc.isenabled() or gc.get_freeze_count():
         yield
         return
     thresholds = gc.get_threshold()
     gc.freeze()
     gc.set_threshold(max(ALLOCATIONS, thresholds[0]), *thresholds[1:])
+    _is_frozen = True
     try:
         yield
     finally:
+        _is_frozen = False
         gc.set_threshold(*thresholds)
         gc.unfreeze()

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from yaml.composer import Composer
 from yaml.constructor import ConstructorError, SafeConstructor
 from yaml.parser import Parser
@@ -18,8 +18,12 @@ from yaml.resolver import Resolver
 from yaml.scanner import Scanner
 
 from .collector import paused_collector
+from .dataclass import dataclass
 from .problems import MOST_MISFITS, InputError, Place, Problem, UserError, field_name, misfits
 from .reading import read_text
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
 
 def safe_loader(text: str) -> Any:
@@ -132,7 +136,7 @@ UNWRITABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 """Rejected characters. Names of files and JSON cannot have lone surrogates, and terminals interpret
 control characters."""
 
-_Schema = TypeVar("_Schema", bound=BaseModel)
+_Schema = TypeVar("_Schema", bound="BaseModel")
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,14 @@
-"""Field types of files: numbers in range, angles, flags, and models that reject unknown keys."""
+"""Field types of files: numbers in range, angles, flags, and dataclasses of keys."""
 
 import math
 from collections.abc import Callable
 from dataclasses import MISSING, fields
 from math import radians, tau
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
+from pydantic import GetCoreSchemaHandler, ValidationInfo, model_validator
 from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import (
     bool_schema,
@@ -20,7 +20,7 @@ from pydantic_core.core_schema import (
     with_info_after_validator_function,
 )
 
-from .forms import composed, has_fields
+from .forms import KeysConfig, composed, has_fields
 from .problems import UserError
 
 LARGEST = 1e10
@@ -129,6 +129,16 @@ class Expected:
         return value
 
 
+class Constrained:
+    """Annotation of constraints of pydantic for a value from a file, such as `min_length`."""
+
+    def __init__(self, **constraints: int | str) -> None:
+        self._constraints = constraints
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return {**handler(kind), **self._constraints}
+
+
 class Fits:
     """Annotation of a rule for values from files and from Python.
 
@@ -202,7 +212,7 @@ Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_r
 """Range [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
 
 
-KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True, arbitrary_types_allowed=True)
+KEYS = KeysConfig()
 """Pydantic configuration of dataclasses in files, which rejects unknown keys."""
 
 
@@ -229,7 +239,7 @@ class Keyed:
     In Python they are plain dataclasses. Files with unknown keys are rejected.
     """
 
-    __pydantic_config__: ClassVar[ConfigDict] = KEYS
+    __pydantic_config__ = KEYS
 
     def __init_subclass__(cls) -> None:
         """Shorten the representation. `dataclass` does not replace an existing one."""
@@ -240,20 +250,9 @@ class Keyed:
 class ComposedKeys:
     """Base of dataclasses with fields that a file gives by several keys: see `Composed`."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = KEYS
+    __pydantic_config__ = KEYS
 
     @model_validator(mode="before")
     @classmethod
     def _compose(cls, keys: Any, info: ValidationInfo) -> Any:
         return keys if has_fields(info.context) else composed(cls, keys)
-
-
-class Strictly(BaseModel):
-    """Base of pydantic models for parts of files. It rejects unknown keys.
-
-    The modules of such models do not postpone annotations, because pydantic would compile each.
-    """
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, str_strip_whitespace=True, defer_build=True
-    )

@@ -1,20 +1,21 @@
 """Shapes in a floorplan file: fields of a floor that are given by several keys, or by one pair."""
 
 import math
-from dataclasses import dataclass, make_dataclass
+from dataclasses import make_dataclass
 from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 from shapely.geometry import Polygon, box
 from typing_extensions import Self
 
-from .fields import KEYS, Pair, Positive, Range
-from .forms import Composed, Data, plain
+from .dataclass import dataclass
+from .fields import KEYS, Constrained, Pair, Positive, Range
+from .forms import Alias, Composed, Data, plain
 from .problems import UserError
 
 Size = tuple[Positive, Positive]
 
-Ring = Annotated[list[Pair], Field(min_length=3)]
+Ring = Annotated[list[Pair], Constrained(min_length=3)]
 
 _CORNERS = 32
 """Number of corners of the polygon that replaces a disc."""
@@ -85,14 +86,14 @@ def ring_keys(ring: Any) -> list[list[float]]:
 
 Footprint = Annotated[
     Polygon,
-    Field(alias="\0footprint"),
+    Alias("\0footprint"),
     Composed(FootprintKeys, FootprintKeys.shape, lambda owner: footprint_keys(owner.footprint)),
 ]
 """Footprint of an obstacle (metres)."""
 
 Area = Annotated[
     Polygon,
-    Field(alias="\0area"),
+    Alias("\0area"),
     Composed(FootprintKeys, FootprintKeys.shape, lambda owner: footprint_keys(owner.area)),
 ]
 """Area of a zone (metres)."""
@@ -118,18 +119,18 @@ def _of_pair(key: str, kind: Any, names: tuple[str, str]) -> tuple[Composed, Com
 
 _BOTTOM, _TOP = _of_pair("z", Range, ("bottom", "top"))
 
-Bottom = Annotated[float, Field(alias="\0bottom"), _BOTTOM]
-Top = Annotated[float, Field(alias="\0top"), _TOP]
+Bottom = Annotated[float, Alias("\0bottom"), _BOTTOM]
+Top = Annotated[float, Alias("\0top"), _TOP]
 
 _LOW, _HIGH = _of_pair("range", Range, ("low", "high"))
 
-Low = Annotated[float, Field(alias="\0low"), _LOW]
-High = Annotated[float, Field(alias="\0high"), _HIGH]
+Low = Annotated[float, Alias("\0low"), _LOW]
+High = Annotated[float, Alias("\0high"), _HIGH]
 
 _LENGTH, _WIDTH = _of_pair("size", Size, ("length", "width"))
 
-Length = Annotated[Positive, Field(alias="\0length"), _LENGTH]
-Width = Annotated[Positive, Field(alias="\0width"), _WIDTH]
+Length = Annotated[Positive, Alias("\0length"), _LENGTH]
+Width = Annotated[Positive, Alias("\0width"), _WIDTH]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,21 +169,21 @@ def _arm_keys(gantry: Any) -> Data:
 
 Torso = Annotated[
     tuple[float, float, float, float],
-    Field(alias="\0torso"),
+    Alias("\0torso"),
     Composed(_TORSO, lambda keys: (*keys.torso.size, *keys.torso.z), _torso_keys),
 ]
 ArmMount = Annotated[
     tuple[float, float],
-    Field(alias="\0arm_mount"),
+    Alias("\0arm_mount"),
     Composed(_ARM, lambda keys: keys.arm.mount, _arm_keys),
 ]
 ArmReach = Annotated[
     Positive,
-    Field(alias="\0arm_reach"),
+    Alias("\0arm_reach"),
     Composed(_ARM, lambda keys: keys.arm.reach, _arm_keys),
 ]
 ArmBottom = Annotated[
     Positive,
-    Field(alias="\0arm_bottom"),
+    Alias("\0arm_bottom"),
     Composed(_ARM, lambda keys: keys.arm.bottom, _arm_keys),
 ]

@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING
-from functools import cache, partial
+from functools import cache, partial, reduce
+from operator import or_
 from typing import Annotated, Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
-from pydantic import BaseModel, GetCoreSchemaHandler
+from pydantic import ConfigDict, GetCoreSchemaHandler
 from pydantic_core import CoreSchema
 from pydantic_core.core_schema import (
     no_info_after_validator_function,
@@ -71,6 +72,45 @@ class Composed(Written):
         )
 
 
+class Tagged(Written):
+    """Annotation of the `forms` of a value by tag. `tag` returns the tag of a value."""
+
+    def __init__(self, tag: Callable[[Any], str], forms: Mapping[str, Any]) -> None:
+        super().__init__(reduce(or_, forms.values()))
+        self._tag, self._forms = tag, forms
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        choices = {tag: handler.generate_schema(form) for tag, form in self._forms.items()}
+        return tagged_union_schema(choices, discriminator=self._tag)
+
+
+class Alias:
+    """Annotation of a field with another name in files."""
+
+    def __init__(self, alias: str) -> None:
+        self.alias = alias
+
+
+class KeysConfig:
+    """Pydantic configuration of a dataclass in files, as its class attribute.
+
+    The aliases are not those of `pydantic.Field`, because its import takes long.
+    """
+
+    def __get__(self, value: object, owner: type) -> ConfigDict:
+        return ConfigDict(
+            extra="forbid",
+            str_strip_whitespace=True,
+            arbitrary_types_allowed=True,
+            alias_generator=lambda name: _aliases(owner)[name],
+        )
+
+
+@cache
+def _aliases(form: type) -> dict[str, str]:
+    return {key.field: key.name for key in fields_of(form)}
+
+
 class _Keys(dict[str, Any]):
     """Keys of a composed field, taken from among those of its owner."""
 
@@ -107,7 +147,7 @@ def fields_of(form: type) -> tuple[Key, ...]:
 
 def form_keys(form: type) -> Iterator[tuple[str, Any]]:
     """Yield the keys of a form, each with the type of its value."""
-    if issubclass(form, BaseModel):
+    if hasattr(form, "model_fields"):
         for name, info in form.model_fields.items():
             kind: Any = info.annotation
             if info.alias != CALLED:
@@ -124,7 +164,8 @@ def form_keys(form: type) -> Iterator[tuple[str, Any]]:
 
 def forms(kind: object) -> Iterator[type]:
     """Yield the models and dataclasses in a type, including options of unions and elements."""
-    if isinstance(kind, type) and (issubclass(kind, BaseModel) or dataclasses.is_dataclass(kind)):
+    is_model = hasattr(kind, "model_fields") or dataclasses.is_dataclass(kind)
+    if isinstance(kind, type) and is_model:
         yield kind
     inner = get_args(kind)
     written = [one.form for one in inner if isinstance(one, Written)]

@@ -6,11 +6,11 @@ import difflib
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
 from pydantic import ValidationError
 
+from .dataclass import dataclass
 from .forms import keys_below
 
 _Error = TypeVar("_Error", bound="InputError")

@@ -6,10 +6,11 @@ Readers and writers are imported when they are used, because most runs need one 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from importlib import import_module
 from typing import Any
 
+from ..files.dataclass import dataclass
 from ..model import Floor, Human
 
 _Parts = Mapping[str, Callable[[Floor], object]]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,6 +22,7 @@ import shapely
 from ..building import unit_name
 from ..checks import size_notices
 from ..files.collector import paused_collector
+from ..files.dataclass import dataclass
 from ..files.problems import FloorplanError, Problem, UserError
 from ..files.reading import require_readable
 from ..model import Obstacle

@@ -8,7 +8,7 @@ drawings. `name`, `bottom`, `top` and `heading` are optional.
 import itertools
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from shapely.geometry import Point, Polygon, mapping, shape as shape_of
 
 from ..building import METRE
 from ..checks import polygon_fault
+from ..files.dataclass import dataclass
 from ..files.fields import Angle, Number, Positive, are_figures
 from ..files.problems import FloorplanError, Problem, field_name, misfits, shown
 from ..files.reading import read_text

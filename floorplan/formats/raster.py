@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import re
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -13,6 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ..files.dataclass import dataclass
 from ..files.problems import FloorplanError, UserError
 from ..files.reading import read_bytes
 

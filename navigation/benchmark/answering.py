@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floorplan import Point, UserError
+from floorplan.files.dataclass import dataclass
 
 from ..catalog import PlannerChoice, PlanningError, Watch, planner_info
 from ..planner import PathPlanner

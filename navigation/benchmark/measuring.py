@@ -6,7 +6,6 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floorplan import Floorplan, Point, UserError
+from floorplan.files.dataclass import dataclass
 
 from ..catalog import PlannerChoice
 from ..world import CollisionWorld

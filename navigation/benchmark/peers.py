@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
@@ -24,6 +23,7 @@ import shapely
 from numpy.typing import NDArray
 
 from floorplan import Point
+from floorplan.files.dataclass import dataclass
 
 from ..planner import COARSE
 from ..roadmap import HAIR

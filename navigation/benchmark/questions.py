@@ -6,13 +6,14 @@ import csv
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import shapely
 
 from floorplan import Floorplan, InputError, Lane, Point, Problem, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import figure
 from floorplan.files.problems import shown, suggestion
 from floorplan.files.reading import is_there, read_text

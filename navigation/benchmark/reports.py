@@ -11,7 +11,7 @@ import math
 import platform
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from datetime import datetime
 from functools import cache
 from importlib.metadata import version
@@ -20,6 +20,8 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from floorplan.files.dataclass import dataclass
 
 from .measuring import Attempt
 from .questions import ENDS

@@ -2,17 +2,18 @@
 
 `protocol` and `messages` define operations and types. `exchange` carries operations out. `server`
 receives them over websockets, and `uplink` through another server. `workcell` provides the topics
-and services of a simulation, with `human_topics`, `machine_topics` and `floor_topics`. `session`
-advances it. `connection` is a client, and `remote_agent` the body of an agent that uses it.
+and services of a simulation: those of `sim.competition`, and `body_topics`. `session` advances it.
+`remote_agent` runs the agent of a person at another server.
 """
 
+from ..competition import driven_person
 from ..live.page_server import OriginError, Origins
-from .connection import ConnectError, RosbridgeConnection, ServiceError
 from .exchange import Exchange
 from .remote_agent import RemoteAgent
 from .server import AddressError, RosbridgeServer, listen_at
 from .session import Session
-from .workcell import BridgeError, Workcell, driven_person
+from .uplink import ConnectError
+from .workcell import BridgeError, Workcell
 
 __all__ = [
     "AddressError",
@@ -22,9 +23,7 @@ __all__ = [
     "OriginError",
     "Origins",
     "RemoteAgent",
-    "RosbridgeConnection",
     "RosbridgeServer",
-    "ServiceError",
     "Session",
     "Workcell",
     "driven_person",

@@ -6,10 +6,13 @@ import asyncio
 import itertools
 import sys
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterable, Awaitable, Callable
+from contextlib import suppress
+from typing import Any
+
+from websockets.exceptions import ConnectionClosed
 
 from .protocol import LEVELS, Account, Level, Reassembly, Subscribe, fragments, size_of, status
-from .waiting import done_within
 
 LONGEST_QUEUE = 1000
 """Maximum number of waiting messages of one topic, whatever a client requests."""
@@ -25,10 +28,14 @@ Item = tuple[str, int | None]
 
 
 class TopicQueue:
-    """Waiting messages of one topic for one client, at most the last `limit`."""
+    """Waiting messages of one topic for one client, at most the last `limit`.
+
+    The last `held` ones are sent after `Outbox.release`.
+    """
 
     def __init__(self, limit: int) -> None:
         self.limit = limit
+        self.held = 0
         self.waiting: deque[Item] = deque()
 
 
@@ -45,6 +52,7 @@ class Outbox:
         self._account = account
         self._replies = TopicQueue(MOST_REPLIES)
         self._order: deque[TopicQueue] = deque()
+        """Contains a queue once for each of its messages that is not held."""
         self._filled = asyncio.Event()
         self._under_way: Item | None = None
 
@@ -55,26 +63,45 @@ class Outbox:
         """Add an answer, or disconnect a client for which too many wait."""
         if len(self._replies.waiting) >= MOST_REPLIES:
             self._account.refuse(f"{MOST_REPLIES} answers wait to be read")
-        self._put(self._replies, (text, fragment_size))
+        self.put(self._replies, text, fragment_size)
 
-    def put(self, stream: TopicQueue, text: str, fragment_size: int | None = None) -> None:
+    def put(
+        self, queue: TopicQueue, text: str, fragment_size: int | None = None, *, held: bool = False
+    ) -> None:
         """Add a message of a topic, and drop its oldest ones if too many wait."""
-        while len(stream.waiting) >= stream.limit:
-            self._count(stream.waiting.popleft(), -1)
-            # The order contains a stream once per message, so the first place is the oldest one's.
-            self._order.remove(stream)
-        self._put(stream, (text, fragment_size))
+        while len(queue.waiting) >= queue.limit:
+            self._count(queue.waiting.popleft(), -1)
+            if len(queue.waiting) < queue.held:
+                queue.held -= 1
+            else:
+                self._order.remove(queue)
+        item = (text, fragment_size)
+        self._count(item, 1)
+        if not self._account.is_closed:
+            queue.waiting.append(item)
+            queue.held += 1
+            if not held:
+                self.release(queue)
 
-    def drop(self, stream: TopicQueue) -> None:
+    def release(self, queue: TopicQueue) -> None:
+        """Send the oldest message that is held."""
+        queue.held -= 1
+        self._order.append(queue)
+        self._filled.set()
+        self.idle.clear()
+
+    def drop(self, queue: TopicQueue) -> None:
         """Drop the messages of a topic."""
-        while stream.waiting:
-            self._count(stream.waiting.popleft(), -1)
-        self._order = deque(one for one in self._order if one is not stream)
+        for item in queue.waiting:
+            self._count(item, -1)
+        queue.waiting.clear()
+        queue.held = 0
+        self._order = deque(one for one in self._order if one is not queue)
 
     def clear(self) -> None:
-        """Drop all messages."""
-        for stream in set(self._order):
-            self.drop(stream)
+        """Drop all messages that are not held."""
+        for queue in set(self._order):
+            self.drop(queue)
 
     async def get(self) -> Item:
         """Wait for the next message and return it."""
@@ -87,14 +114,6 @@ class Outbox:
             await self._filled.wait()
         self._under_way = self._order.popleft().waiting.popleft()
         return self._under_way
-
-    def _put(self, stream: TopicQueue, item: Item) -> None:
-        self._count(item, 1)
-        if not self._account.is_closed:
-            stream.waiting.append(item)
-            self._order.append(stream)
-            self._filled.set()
-            self.idle.clear()
 
     def _count(self, item: Item, sign: int) -> None:
         self._account.add(sign * size_of(item[0]))
@@ -116,11 +135,11 @@ class Subscription:
     def __init__(self, client: Client) -> None:
         self.requests: dict[str | int | None, Subscribe] = {}
         self._client = client
-        self._stream = TopicQueue(USUAL_QUEUE)
-        self._held_back: deque[str] = deque()
-        self._most_held_back = 0
+        self._queue = TopicQueue(USUAL_QUEUE)
+        self._queue_length = 0
         self._free_at = 0.0
         self._timer: asyncio.TimerHandle | None = None
+        """Runs while messages are held."""
         client.account.add(_SUBSCRIPTION)
 
     def add(self, request: Subscribe) -> None:
@@ -128,11 +147,9 @@ class Subscription:
         if request.id not in self.requests:
             self._client.account.add(_cost(request.id))
         self.requests[request.id] = request
-        queue = max(one.queue_length or 0 for one in self.requests.values())
-        self._most_held_back = min(queue, LONGEST_QUEUE)
-        self._stream.limit = self._most_held_back or USUAL_QUEUE
-        while len(self._held_back) > self._most_held_back:
-            self._release()
+        longest = max(one.queue_length or 0 for one in self.requests.values())
+        self._queue_length = min(longest, LONGEST_QUEUE)
+        self._queue.limit = self._queue_length or USUAL_QUEUE
 
     def remove(self, id: str | int | None) -> bool:
         """Remove a request, or all requests for None. Return whether there was one."""
@@ -142,54 +159,37 @@ class Subscription:
             self._client.account.add(-_cost(one))
         if not self.requests:
             self._client.account.add(-_SUBSCRIPTION)
-            self._client.outbox.drop(self._stream)
-            while self._held_back:
-                self._release()
+            self._client.outbox.drop(self._queue)
             if self._timer is not None:
                 self._timer.cancel()
         return bool(gone)
 
     def offer(self, text: str) -> None:
         """Send a message of the topic now, send it after the interval, or drop it."""
-        if self._client.account.is_closed:
-            return
-        loop, interval = asyncio.get_running_loop(), self._interval
-        if not interval or (loop.time() >= self._free_at and not self._held_back):
-            self._free_at = loop.time() + interval
-            self._send(text)
+        requests, loop = self.requests.values(), asyncio.get_running_loop()
+        size = min((one.fragment_size for one in requests if one.fragment_size), default=None)
+        if not self._interval or (loop.time() >= self._free_at and self._timer is None):
+            self._free_at = loop.time() + self._interval
+            self._client.outbox.put(self._queue, text, size)
         # Within the interval, messages wait if the client requested a queue. Otherwise only the
         # next one after it is sent.
-        elif self._most_held_back:
-            if len(self._held_back) >= self._most_held_back:
-                self._release()
-            self._held_back.append(text)
-            self._client.account.add(size_of(text))
+        elif self._queue_length:
+            self._client.outbox.put(self._queue, text, size, held=True)
             if self._timer is None:
-                self._timer = loop.call_at(self._free_at, self._catch_up)
+                self._timer = loop.call_at(self._free_at, self._release)
 
     @property
     def _interval(self) -> float:
         """Interval between messages in seconds."""
         return min(one.throttle_rate or 0.0 for one in self.requests.values()) / 1000
 
-    def _catch_up(self) -> None:
-        self._timer = None
-        if not self._held_back:
-            return
-        self._send(self._release())
-        loop = asyncio.get_running_loop()
-        self._free_at = loop.time() + self._interval
-        if self._held_back:
-            self._timer = loop.call_at(self._free_at, self._catch_up)
-
-    def _release(self) -> str:
-        text = self._held_back.popleft()
-        self._client.account.add(-size_of(text))
-        return text
-
-    def _send(self, text: str) -> None:
-        sizes = [one.fragment_size for one in self.requests.values() if one.fragment_size]
-        self._client.outbox.put(self._stream, text, min(sizes, default=None))
+    def _release(self) -> None:
+        loop, self._timer = asyncio.get_running_loop(), None
+        if self._queue.held:
+            self._client.outbox.release(self._queue)
+            self._free_at = loop.time() + self._interval
+        if self._queue.held:
+            self._timer = loop.call_at(self._free_at, self._release)
 
 
 class Client:
@@ -230,6 +230,23 @@ class Client:
         if LEVELS.index(level) <= LEVELS.index(self.level):
             self.outbox.reply(status(level, message, id))
 
+    async def attend(
+        self, texts: AsyncIterable[str | bytes], handle: Callable[[str | bytes], None]
+    ) -> None:
+        """Handle the messages of the client until its connection ends, and send the outbox."""
+        sending = asyncio.create_task(self.send_forever())
+        try:
+            async for text in texts:
+                handle(text)
+                # Serve other clients, however much this one sends.
+                await asyncio.sleep(0)
+        except ConnectionClosed:
+            pass
+        finally:
+            sending.cancel()
+            with suppress(asyncio.CancelledError, ConnectionClosed):
+                await sending
+
     async def send_forever(self) -> None:
         """Send the messages of the outbox until this is cancelled."""
         for number in itertools.count(1):
@@ -246,3 +263,20 @@ class Client:
 def _cost(id: str | int | None) -> int:
     """Return the size in bytes of a request with an id."""
     return _REQUEST + sys.getsizeof(id)
+
+
+async def done_within(awaitable: Awaitable[Any], seconds: float) -> bool:
+    """Wait for at most `seconds`, then cancel `awaitable`. Return whether it was done before.
+
+    Raises what it raises. In Python before 3.12, `asyncio.wait_for` swallows a cancellation of the
+    caller at the moment at which the awaitable is done, so that the caller never ends.
+    """
+    task = asyncio.ensure_future(awaitable)
+    try:
+        await asyncio.wait({task}, timeout=seconds)
+        if task.done():
+            task.result()
+            return True
+        return False
+    finally:
+        task.cancel()

@@ -1,77 +1,46 @@
-"""Topics and services of the bridge, and of rosapi."""
+"""Topics and services of the bridge, and the operations of clients on them."""
 
 from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Callable, Coroutine, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Coroutine, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import field
 from typing import Any
 
-from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 
-from ..cell import CellCommand, CellTask, Rejected
+from ..cell import Rejected
+from ..competition.transport import Heard, Read, RefusedError, Values
 from . import protocol
 from .client import ADVERTISED, Client, Subscription
-from .messages import (
-    MESSAGES,
-    MessageError,
-    MessageType,
-    UnknownTypeError,
-    canonical,
-    conform,
-    message_type,
-    seconds,
-)
+from .messages import MessageError, MessageType, canonical, conform, message_type
 from .protocol import ProtocolError
 
 MOST_TOPICS = 1000
 """Number of topics that all clients may create, and to which one may subscribe."""
 
-MOST_CALLS = 100
-"""Number of service calls of one client at the same time."""
-
-
-class RefusedError(UserError):
-    """Rejected request of a client, which gets the reason."""
-
-
-Values = dict[str, Any]
-"""Fields of a message, a request or an answer by name."""
-
-Heard = Callable[[Values, str], None]
-"""Takes a message and the name of the client that published it. It may raise `RefusedError`."""
 
 Answer = Values | Coroutine[Any, Any, Values]
 Serve = Callable[[Client, Values], Answer]
 """Answers a request of a client. It may raise `RefusedError`."""
 
 
-def take(topic: str, port: CellCommand | CellTask, value: Any, source: str) -> Any:
-    """Pass a value from a topic to a command or task of the cell, and return the running task.
-
-    `RefusedError` names the topic and the value if it is rejected.
-    """
-    try:
-        if isinstance(port, CellTask):
-            return port.start(value, source)
-        port.take(value, source)
-    except Rejected as why:
-        raise RefusedError(str(why.named(topic))) from None
-
-
 @dataclass(eq=False)
 class Topic:
     """Topic with the clients that publish on it and subscribe to it.
 
-    The simulation publishes on topics that are `ours`. `heard` handles the messages of clients.
+    The simulation publishes on topics that are `ours`, and `read` returns the present message.
+    `heard` handles the messages of clients.
     """
 
     name: str
     type: MessageType
     ours: bool = False
     heard: Heard | None = None
+    read: Read | None = None
     kept: deque[str] = field(default_factory=lambda: deque(maxlen=0))
     subscriptions: dict[Client, Subscription] = field(default_factory=dict)
     publishers: set[Client] = field(default_factory=set)
@@ -114,13 +83,21 @@ class Exchange:
         self._own = 0
 
     def advertise(
-        self, name: str, type_: str, *, heard: Heard | None = None, latched: int = 0
+        self,
+        name: str,
+        type_: str,
+        read: Read | None = None,
+        *,
+        heard: Heard | None = None,
+        latched: int = 0,
     ) -> Topic:
         """Return a new topic of the simulation. With `heard`, clients may publish on it, too.
 
-        The last `latched` messages are sent to each client that subscribes later.
+        `publish_state` publishes what `read` returns. The last `latched` messages are sent to each
+        client that subscribes later.
         """
-        return self._add(Topic(name, message_type(type_), True, heard, deque(maxlen=latched)))
+        kept: deque[str] = deque(maxlen=latched)
+        return self._add(Topic(name, message_type(type_), True, heard, read, kept))
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
         """Add a topic on which clients publish."""
@@ -141,8 +118,16 @@ class Exchange:
 
     def publish(self, topic: Topic, message: Values) -> None:
         """Send a message of the simulation to every subscriber of its topic."""
+        if topic.kept.maxlen:  # such messages are rare, and may omit fields
+            message = conform(topic.type, message)
         if topic.is_needed:
             self._spread(topic, protocol.publication(topic.name, message))
+
+    def publish_state(self) -> None:
+        """Publish the present message of each topic that has one."""
+        for topic in tuple(self.topics.values()):
+            if topic.read is not None and topic.is_needed and (message := topic.read()) is not None:
+                self.publish(topic, message)
 
     def take(self, client: Client, text: str | bytes) -> None:
         """Carry out an operation of a client, or send the client the fault."""
@@ -152,8 +137,8 @@ class Exchange:
             id = operation.id
             self._perform(client, operation)
         except ProtocolError as why:
-            client.report("error", str(why), why.id if why.id is not None else id)
-        except (MessageError, RefusedError, UnknownTypeError) as why:
+            client.report("error", str(why), id if why.id is None else why.id)
+        except RefusedError as why:
             client.report("error", str(why), id)
 
     def forget(self, client: Client) -> None:
@@ -215,7 +200,8 @@ class Exchange:
             )
         self._add_publisher(topic, client)
         if topic.heard is not None:
-            topic.heard(message, client.name)
+            with _rejecting(topic.name):
+                topic.heard(message, client.name)
         self._spread(topic, text)
 
     def _subscribe(self, client: Client, request: protocol.Subscribe) -> None:
@@ -298,13 +284,10 @@ class Exchange:
         answer: Answer | str
         try:
             answer = self._answer(client, request)
-        except (MessageError, RefusedError) as why:
+        except RefusedError as why:
             answer = str(why)
         if isinstance(answer, dict | str):
             self._respond(client, request, answer)
-        elif len(client.calls) >= MOST_CALLS:
-            answer.close()
-            self._respond(client, request, f"{MOST_CALLS} calls are the maximum")
         else:
             client.begin_call(asyncio.ensure_future(self._await(client, request, answer)))
 
@@ -318,13 +301,15 @@ class Exchange:
             if len(arguments) > len(fields):
                 raise RefusedError(f"{name} takes {len(fields)} arguments, not {len(arguments)}")
             arguments = dict(zip(fields, arguments, strict=False))
-        return service.answer(client, conform(service.type, arguments))
+        with _rejecting(name):
+            return service.answer(client, conform(service.type, arguments))
 
     async def _await(
         self, client: Client, request: protocol.CallService, answer: Coroutine[Any, Any, Values]
     ) -> None:
         try:
-            self._respond(client, request, await answer)
+            with _rejecting(request.service):
+                self._respond(client, request, await answer)
         except RefusedError as why:
             self._respond(client, request, str(why))
 
@@ -341,90 +326,10 @@ class Exchange:
         client.outbox.reply(protocol.encode(response), request.fragment_size)
 
 
-_SINGLE = -1
-"""Length of no array in rosapi_msgs/TypeDef. Arrays of any length have the length 0."""
-
-_US = "/floorwalker"
-"""Name of this node."""
-
-
-def provide_rosapi(exchange: Exchange, now: Callable[[], float]) -> None:
-    """Add the services of rosapi to an exchange. `now()` is the time (s)."""
-    topics, services = exchange.topics, exchange.services
-
-    def provide(
-        name: str, type_: str, answer: Callable[..., Values], argument: str | None = None
-    ) -> None:
-        """Add a service with at most one argument, a string."""
-        exchange.provide(
-            f"/rosapi/{name}",
-            f"rosapi_msgs/{type_}",
-            lambda _, request: answer(**request),
-            {argument: "string"} if argument else {},
-        )
-
-    def type_in(listed: dict[str, Any], name: str) -> Values:
-        return {"type": listed[name].type.name if name in listed else ""}
-
-    def of_type(listed: dict[str, Any], field: str, kind: str) -> Callable[[str], Values]:
-        def names(type: str) -> Values:
-            full = canonical(type, kind)
-            return {field: sorted(n for n, one in listed.items() if one.type.name == full)}
-
-        return names
-
-    def all_topics() -> Values:
-        names = sorted(topics)
-        return {"topics": names, "types": [topics[name].type.name for name in names]}
-
-    def publishers(topic: str) -> Values:
-        one = topics.get(topic)
-        return {"publishers": _nodes(one.ours, one.publishers) if one else []}
-
-    def subscribers(topic: str) -> Values:
-        one = topics.get(topic)
-        return {"subscribers": _nodes(one.heard, one.subscriptions) if one else []}
-
-    provide("topics", "Topics", all_topics)
-    provide("topic_type", "TopicType", lambda topic: type_in(topics, topic), "topic")
-    provide("topics_for_type", "TopicsForType", of_type(topics, "topics", "msg"), "type")
-    provide("publishers", "Publishers", publishers, "topic")
-    provide("subscribers", "Subscribers", subscribers, "topic")
-    provide("services", "Services", lambda: {"services": sorted(services)})
-    provide("service_type", "ServiceType", lambda service: type_in(services, service), "service")
-    provide("services_for_type", "ServicesForType", of_type(services, "services", "srv"), "type")
-    provide("message_details", "MessageDetails", _details, "type")
-    provide("nodes", "Nodes", lambda: {"nodes": [_US]})
-    provide("action_servers", "GetActionServers", lambda: {"action_servers": []})
-    provide("get_param_names", "GetParamNames", lambda: {"names": []})
-    provide("get_time", "GetTime", lambda: {"time": seconds(now())})
-
-
-def _nodes(ours: object, clients: Iterable[Client]) -> list[str]:
-    return [_US] * bool(ours) + sorted(client.name for client in clients)
-
-
-def _details(type: str) -> Values:
-    """Return the definitions of a type and all types in it."""
-    names, defined = [canonical(type, "msg")], list[str]()
-    for name in names:
-        if name in MESSAGES and name not in defined:
-            defined.append(name)
-            fields = MESSAGES[name].fields.values()
-            names += [kind.partition("[")[0] for kind in fields if "/" in kind]
-    return {"typedefs": [_definition(MESSAGES[name]) for name in defined]}
-
-
-def _definition(type_: MessageType) -> Values:
-    types = type_.fields.values()
-    return {
-        "type": type_.name,
-        "fieldnames": list(type_.fields),
-        "fieldtypes": [kind.partition("[")[0] for kind in types],
-        "fieldarraylen": [
-            int(kind[:-1].partition("[")[2] or 0) if "[" in kind else _SINGLE for kind in types
-        ],
-        "examples": [],
-        "constnames": [],
-        "constvalues": [],
-    }
+@contextmanager
+def _rejecting(name: str) -> Iterator[None]:
+    """Report a value that the cell rejects with the name of the topic or service."""
+    try:
+        yield
+    except Rejected as why:
+        raise RefusedError(str(why.named(name))) from None

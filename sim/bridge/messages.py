@@ -1,4 +1,4 @@
-"""ROS messages: types, validation, and states of the workcell as messages.
+"""ROS messages: their types, and validation.
 
 Types are written as in .msg files: one line per type, with its fields in order. They are from
 std_msgs, geometry_msgs, nav_msgs, sensor_msgs, trajectory_msgs, tf2_msgs, rosgraph_msgs,
@@ -8,18 +8,12 @@ builtin_interfaces and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_m
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
-from floorplan import Floorplan, Gantry, Lane, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
-from navigation.machines import lane_state
-from navigation.motion import State
 
-from ..cell.trajectories import JOINTS, joint_values
-from ..core.body import Body
-from ..orders.workload import AssemblyTask, KittingTask, Order, PartType
+from ..competition.transport import RefusedError
 
 _MESSAGES = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec
@@ -72,11 +66,11 @@ _LONGEST_ARRAY = 10_000
 """Maximum number of elements of an array in a message."""
 
 
-class UnknownTypeError(UserError):
+class UnknownTypeError(RefusedError):
     """Message type that the bridge does not know."""
 
 
-class MessageError(UserError):
+class MessageError(RefusedError):
     """Message that does not conform to its type, with the wrong field."""
 
 
@@ -210,129 +204,3 @@ def _types(text: str) -> dict[str, MessageType]:
 
 
 MESSAGES = _types(_MESSAGES)
-
-
-Message = dict[str, Any]
-Values = tuple[float, float, float]
-
-LOCATIONS = ("kitting", "assembly_front", "assembly_back", "warehouse")
-"""AGV locations of ariac_msgs/AGVStatus, by number."""
-
-UNKNOWN_LOCATION = 99
-"""Location of an AGV that drives or is elsewhere."""
-
-NOWHERE = {"x": 1e6, "y": 1e6, "z": 0.0}
-"""Position of the robot on a floor without one, far from all people."""
-
-_AT_REST = 1e-6
-"""Metres and m/s. An AGV this near to a location, and this slow, is there."""
-
-_KINDS = ("kitting", "assembly", "combined")
-_COLORS = ("red", "green", "blue", "orange", "purple")
-_TYPES = {"battery": 10, "pump": 11, "sensor": 12, "regulator": 13}
-
-
-def seconds(t: float) -> Message:
-    """Return a time or duration (builtin_interfaces)."""
-    whole, nanoseconds = divmod(round(t * 1e9), 1_000_000_000)
-    return {"sec": whole, "nanosec": nanoseconds}
-
-
-def human_state(person: State, robot: State | None, robot_height: float) -> Message:
-    """Return ariac_msgs/HumanState: positions (m) and velocities (m/s) of person and gantry."""
-    return {
-        "human_position": vector(person.position),
-        "robot_position": vector(robot.position, robot_height) if robot else NOWHERE,
-        "human_velocity": vector(person.velocity),
-        "robot_velocity": vector(robot.velocity) if robot else vector((0.0, 0.0, 0.0)),
-    }
-
-
-def transforms(t: float, frames: Iterable[tuple[str, Body, float]]) -> Message:
-    """Return tf2_msgs/TFMessage from the world to frames, each with name, body and height (m)."""
-    header = {"stamp": seconds(t), "frame_id": "world"}
-    return {
-        "transforms": [
-            {
-                "header": header,
-                "child_frame_id": name,
-                "transform": {
-                    "translation": vector(body.state.position, height),
-                    "rotation": about_z(body.state.position[2]),
-                },
-            }
-            for name, body, height in frames
-        ]
-    }
-
-
-def agv_status(lane: Lane, state: State) -> Message:
-    """Return ariac_msgs/AGVStatus: location, position on the lane (m), and speed (m/s)."""
-    q = lane_state(lane, state)
-    location = UNKNOWN_LOCATION
-    for number, name in enumerate(LOCATIONS):
-        place = lane.locations.get(name)
-        if place is not None and abs(place - q.position) < _AT_REST and abs(q.velocity) < _AT_REST:
-            location = number
-    return {"location": location, "position": q.position, "velocity": q.velocity}
-
-
-def joint_state(t: float, gantry: Gantry, state: State) -> Message:
-    """Return sensor_msgs/JointState of the gantry's joints (m, rad, and m/s, rad/s)."""
-    return {
-        "header": {"stamp": seconds(t), "frame_id": ""},
-        "name": list(JOINTS),
-        "position": list(joint_values(gantry, state.position)),
-        "velocity": list(joint_values(gantry, state.velocity, origin=False)),
-        "effort": [],
-    }
-
-
-def order_message(order: Order, floor: Floorplan) -> Message:
-    """Return ariac_msgs/Order. Poses of assembled parts are blank, because trials have none.
-
-    The destination of a kit is a location of its AGV on this floor, or a station that it serves.
-    """
-    message: Message = {
-        "id": order.id,
-        "type": _KINDS.index(order.kind),
-        "priority": order.priority,
-    }
-    task = order.task
-    if isinstance(task, KittingTask):
-        location = floor.lane(task.agv).serves.get(task.destination, task.destination)
-        message["kitting_task"] = {
-            "agv_number": _number_in(task.agv),
-            "tray_id": task.tray,
-            "destination": LOCATIONS.index(location),
-            "parts": [
-                {"part": _part(part), "quadrant": quadrant}
-                for quadrant, part in sorted(task.products.items())
-            ],
-        }
-    else:
-        parts = [{"part": _part(part)} for part in task.products]
-        work: Message = {"station": _number_in(task.station), "parts": parts}
-        if isinstance(task, AssemblyTask):
-            work["agv_numbers"] = [_number_in(agv) for agv in task.agvs]
-        message[f"{order.kind}_task"] = work
-    return conform(message_type("ariac_msgs/Order"), message)
-
-
-def _part(part: PartType) -> dict[str, int]:
-    return {"color": _COLORS.index(part.color), "type": _TYPES[part.type]}
-
-
-def _number_in(name: str) -> int:
-    """Return the number in a name: agv3 is 3, as2 is 2."""
-    return int("".join(filter(str.isdigit, name)))
-
-
-def vector(xyz: tuple[float, float, float], z: float = 0.0) -> Message:
-    """Return geometry_msgs/Point or Vector3. `z` replaces the third number, a rotation."""
-    return {"x": xyz[0], "y": xyz[1], "z": z}
-
-
-def about_z(angle: float) -> Message:
-    """Return geometry_msgs/Quaternion of a rotation about the z axis (rad)."""
-    return {"x": 0.0, "y": 0.0, "z": math.sin(angle / 2), "w": math.cos(angle / 2)}

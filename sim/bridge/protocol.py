@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic_core import from_json
 
-from floorplan import UserError
+from ..competition.transport import RefusedError
 
 _PLACE = 100
 """Bytes. Memory of a place in a queue, without the text."""
@@ -108,7 +108,7 @@ LEVELS: tuple[Level, ...] = ("none", "error", "warning", "info")
 """Levels of status messages, from none to all."""
 
 
-class ProtocolError(UserError):
+class ProtocolError(RefusedError):
     """Message that is no operation of the protocol. `id` is its id, if it has one."""
 
     def __init__(self, message: str, id: str | int | None = None) -> None:

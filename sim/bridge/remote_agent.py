@@ -13,37 +13,29 @@ import bdi
 from floorplan import Point
 from navigation import CollisionWorld, PathPlanner, PlanningError
 
+from ..competition.human_topics import (
+    ACTION,
+    BLOCKED,
+    COMMANDS,
+    DETECTED,
+    GO_HOME,
+    GOAL,
+    PERCEPT_TOPICS,
+    PERCEPTS,
+    STOP,
+)
+from ..competition.messages import NOWHERE
+from ..competition.topics import ENDED
+from ..competition.transport import Values
 from ..core.rules import Notice
 from ..core.scenario import PersonEntry, Scenario
 from ..people.actions import MindError
 from ..people.minds import Mind, make_agent
 from ..people.perception import Percepts
 from ..people.programs import EXTERNAL
-from .connection import (
-    FIRST_RETRY,
-    LAST_RETRY,
-    ConnectError,
-    LostError,
-    RosbridgeConnection,
-    ServiceError,
-)
-from .human_topics import (
-    ACTION,
-    BLOCKED,
-    BOOL,
-    DETECTED,
-    GO_HOME,
-    GOAL,
-    PERCEPTS,
-    POINT,
-    REACHED,
-    START,
-    STOP,
-    STRING,
-    UNSAFE,
-)
-from .messages import NOWHERE
-from .workcell import ENDED, BridgeError
+from .exchange import Exchange
+from .uplink import LostError, ServerLink, ServiceError, connected_to, connections
+from .workcell import BridgeError
 
 _REPETITION = 0.5
 """Seconds. A violation that is repeated within this time is the same one."""
@@ -96,33 +88,34 @@ class RemotePerson:
         self._unavailable: set[str] = set()
 
     def connect(
-        self, connection: RosbridgeConnection, offered: Collection[str], *, repeats: bool = True
+        self, exchange: Exchange, offered: Collection[str], *, repeats: bool = True
     ) -> None:
-        """Perceive and act through `connection`, whose server has the topics `offered`.
+        """Perceive and act through an exchange with a server that has the topics `offered`.
 
         With `repeats`, the server repeats violations until they are answered.
         """
-        self._connection = connection
+        self._exchange = exchange
         self._repeats = repeats
         self._offered = offered
         for name in self._lanes:
-            connection.subscribe(
-                f"/ariac/{name}_status", "ariac_msgs/AGVStatus", partial(self._place_agv, name)
-            )
-        added = [topic for topic in (DETECTED, BLOCKED) if topic in offered]
-        connection.subscribe("/ariac_human/state", "ariac_msgs/HumanState", self._see)
-        for topic in (REACHED, UNSAFE, *added, START):
-            connection.subscribe(topic, STRING if topic == BLOCKED else BOOL, self._hear(topic))
+            place = partial(self._place_agv, name)
+            exchange.listen(f"/ariac/{name}_status", "ariac_msgs/AGVStatus", place)
+        exchange.listen("/ariac_human/state", "ariac_msgs/HumanState", self._see)
+        for topic, type_ in PERCEPT_TOPICS.items():
+            if topic in offered or topic not in (DETECTED, BLOCKED):
+                exchange.listen(topic, type_, partial(self._hear, topic))
+        self._topics = {
+            topic: exchange.advertise(topic, COMMANDS[topic][0])
+            for topic in (GOAL, STOP, GO_HOME, ACTION)
+            if topic in offered or topic != ACTION
+        }
 
-    def _hear(self, topic: str) -> Callable[[dict[str, Any]], None]:
-        def hear(message: dict[str, Any]) -> None:
-            percept = _PERCEPT_OF.get((topic, message["data"]))
-            if percept == "human_start":
-                self._start()
-            elif percept is not None and self._started:
-                self._take(percept)
-
-        return hear
+    def _hear(self, topic: str, message: Values, _: str) -> None:
+        percept = _PERCEPT_OF.get((topic, message["data"]))
+        if percept == "human_start":
+            self._start()
+        elif percept is not None and self._started:
+            self._take(percept)
 
     def _start(self) -> None:
         if not self._started:
@@ -166,7 +159,7 @@ class RemotePerson:
         self._quiet_until = now + (self._rules.report_every or pause)
         return False
 
-    def _see(self, state: dict[str, Any]) -> None:
+    def _see(self, state: Values, _: str) -> None:
         self._at = _place(state["human_position"])
         gantry = _place(state["robot_position"])
         self._gantry = None if gantry == _place(NOWHERE) else gantry
@@ -177,7 +170,7 @@ class RemotePerson:
         if self._noticing.see(self._now(), distance, *speeds):
             self._take("gantry_detected")
 
-    def _place_agv(self, name: str, status: dict[str, Any]) -> None:
+    def _place_agv(self, name: str, status: Values, _: str) -> None:
         low, high = self._lanes[name].limits
         self._world.move_agv(name, min(max(status["position"], low), high))
 
@@ -196,9 +189,9 @@ class RemotePerson:
         if name in ("teleport_safe", "teleport_agv"):
             self._ahead.clear()
             self._noticing.start_over(self._now())
-            return self._send(GO_HOME, BOOL, data=name == "teleport_safe")
-        if ACTION in self._offered:
-            return self._send(ACTION, STRING, data=str(action))
+            return self._send(GO_HOME, data=name == "teleport_safe")
+        if ACTION in self._topics:
+            return self._send(ACTION, data=str(action))
         if name not in self._unavailable:
             self._unavailable.add(name)
             self._notice(f"{self.name}: the other end offers no topic for {name}")
@@ -219,7 +212,7 @@ class RemotePerson:
 
     def _stop(self) -> bool:
         self._ahead.clear()
-        return self._send(STOP, BOOL, data=True)
+        return self._send(STOP, data=True)
 
     def _go(self, goal: Point) -> bool:
         if not self._waypoints:
@@ -233,10 +226,10 @@ class RemotePerson:
         return self._send_goal(self._ahead.pop(0))
 
     def _send_goal(self, goal: Point) -> bool:
-        return self._send(GOAL, POINT, x=goal[0], y=goal[1], z=0.0)
+        return self._send(GOAL, x=goal[0], y=goal[1], z=0.0)
 
-    def _send(self, topic: str, type_: str, **message: Any) -> bool:
-        self._connection.publish(topic, type_, message)
+    def _send(self, topic: str, **message: Any) -> bool:
+        self._exchange.publish(self._topics[topic], message)
         return True
 
 
@@ -277,7 +270,7 @@ class SampledNotice:
         self._before = math.inf
 
 
-def _place(point: dict[str, Any]) -> Point:
+def _place(point: Values) -> Point:
     return (point["x"], point["y"])
 
 
@@ -335,68 +328,61 @@ class RemoteAgent:
 
     async def run(self) -> None:
         """Drive the person. `ConnectError` if there is no answer at the start."""
-        delay, connected = FIRST_RETRY, False
-        while not self._ended:
-            try:
-                async with RosbridgeConnection(self._url, complained=self._complain) as connection:
-                    connected, delay = True, FIRST_RETRY
-                    self._notice(f"connected to {self._url}")
-                    await self._drive(connection)
-            except LostError as why:
-                if not self._ended:
-                    self._notice(f"{why}; trying again")
-            except ConnectError:
-                if not connected:
-                    raise
-            if not self._ended:
-                await asyncio.sleep(delay)
-                delay = min(2 * delay, LAST_RETRY)
+        first = await connected_to(self._url)
+        async for socket in connections(first, self._url, self._notice):
+            exchange = Exchange()
+            with suppress(LostError):
+                async with ServerLink(socket, exchange, self._complain) as link:
+                    await self._drive(link, exchange)
+            if self._ended:
+                return
 
-    async def _drive(self, connection: RosbridgeConnection) -> None:
-        topics = await _listed(connection, "topics")
-        services = await _listed(connection, "services")
-        self._in_steps = "/floorwalker/advance" in services and await self._may_step(connection)
+    async def _drive(self, link: ServerLink, exchange: Exchange) -> None:
+        topics = await _listed(link, "topics")
+        services = await _listed(link, "services")
+        self._in_steps = "/floorwalker/advance" in services and await self._may_step(link)
         self._has_clock = "/clock" in topics
-        connection.subscribe("/ariac/competition_state", "ariac_msgs/CompetitionState", self._enter)
+        exchange.listen("/ariac/competition_state", "ariac_msgs/CompetitionState", self._enter)
         if self._has_clock and not self._in_steps:
-            connection.subscribe("/clock", "rosgraph_msgs/Clock", self._tick)
-        self._person.connect(connection, topics, repeats=not self._in_steps)
+            exchange.listen("/clock", "rosgraph_msgs/Clock", self._tick)
+        self._person.connect(exchange, topics, repeats=not self._in_steps)
+        link.offer()
         if self._in_steps:
-            await self._go_in_steps(connection)
+            await self._go_in_steps(link)
         else:
-            await self._go_along(connection)
+            await self._go_along(link)
 
-    async def _may_step(self, connection: RosbridgeConnection) -> bool:
+    async def _may_step(self, link: ServerLink) -> bool:
         """Return whether the server advances on request. If so, it waits from now on."""
         with suppress(ServiceError):
-            await connection.call("/floorwalker/advance", {"until": -1.0})
+            await link.call("/floorwalker/advance", {"until": -1.0})
             return True
         return False
 
-    async def _go_in_steps(self, connection: RosbridgeConnection) -> None:
+    async def _go_in_steps(self, link: ServerLink) -> None:
         while not self._ended:
             wakeup = self._agent.next_wakeup
             until = FOREVER if wakeup is None else wakeup
-            answer = await connection.call("/floorwalker/advance", {"until": until}, None)
+            answer = await link.call("/floorwalker/advance", {"until": until}, None)
             self._now = float(answer["time"])
             self._ended = bool(answer["ended"])
             if not self._ended:
                 self._agent.advance(self._now)
 
-    async def _go_along(self, connection: RosbridgeConnection) -> None:
+    async def _go_along(self, link: ServerLink) -> None:
         loop = asyncio.get_running_loop()
         begin = loop.time() - self._now
         self._think()
         while not self._ended:
             if self._has_clock:
-                await connection.wait(1.0)
+                await link.wait(1.0)
                 continue
             wakeup = self._agent.next_wakeup
-            await connection.wait(0.1 if wakeup is None else min(max(wakeup - self._now, 0.0), 0.1))
+            await link.wait(0.1 if wakeup is None else min(max(wakeup - self._now, 0.0), 0.1))
             self._now = max(self._now, loop.time() - begin)
             self._think()
 
-    def _tick(self, message: dict[str, Any]) -> None:
+    def _tick(self, message: Values, _: str = "") -> None:
         stamp = message["clock"]
         time = stamp["sec"] + stamp["nanosec"] / 1e9 + self._clock_ahead
         if time < self._now:
@@ -420,21 +406,21 @@ class RemoteAgent:
         self._did(self._now, action)
         return self._person.act(action)
 
-    def _enter(self, message: dict[str, Any]) -> None:
+    def _enter(self, message: Values, _: str) -> None:
         self._ended = self._ended or message["competition_state"] == ENDED
 
     def _pass_on_warning(self, entry: bdi.Entry) -> None:
         if entry.kind == "warning":
             self._notice(f"{self._person.name}: {entry.text}")
 
-    def _complain(self, text: str) -> None:
+    def _complain(self, _: object, text: str, __: object) -> None:
         self._notice(f"{self._url} says: {text}")
 
 
-async def _listed(connection: RosbridgeConnection, what: str) -> list[str]:
+async def _listed(link: ServerLink, what: str) -> list[str]:
     """Return the names that a service of rosapi lists, none without rosapi."""
     try:
-        names = (await connection.call(f"/rosapi/{what}", {})).get(what)
+        names = (await link.call(f"/rosapi/{what}", {})).get(what)
     except ServiceError:
         return []
     return [str(name) for name in names] if isinstance(names, list) else []

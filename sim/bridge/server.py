@@ -9,7 +9,7 @@ import logging
 import socket
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from websockets.asyncio.server import Server, ServerConnection, serve
@@ -20,13 +20,15 @@ from websockets.protocol import State
 
 from ..cell.admission import Notices
 from ..live.page_server import Origins
-from .client import Client
+from .client import Client, done_within
 from .exchange import Exchange
 from .protocol import LONGEST_MESSAGE, Account, Ledger
-from .waiting import done_within
 
 _FRAME = 300
 """Bytes. Memory of a waiting frame without its data."""
+
+_HEADER = 6
+"""Bytes. Header and mask of a control frame of a client (RFC 6455, 5.2)."""
 
 _GOODBYE = 1.0
 """Seconds in which a client that is being disconnected may read the reason."""
@@ -41,8 +43,8 @@ _POLICY = 1008
 class Incoming(ServerConnection):
     """Connection of a client, with an account of the bytes held for it.
 
-    It counts the bytes of an incomplete frame, frames that wait or belong to an incomplete message,
-    and bytes that wait to be written. The latter are answers to pings, which websockets sends.
+    It counts the bytes and frames of messages that are incomplete or wait, and bytes that wait to
+    be written. The latter are answers to pings, which websockets sends.
     """
 
     ledger: Ledger
@@ -53,10 +55,9 @@ class Incoming(ServerConnection):
         """Open the account."""
         self.account = Account(self.ledger, self.dismiss)
         self._farewell = _LONGEST_FAREWELL
-        self._buffered = 0
         self._unwritten = 0
-        self._message = 0
-        self._messages: deque[int] = deque()
+        self._incomplete = 0
+        self._complete: deque[int] = deque()
         self._goodbye: asyncio.Task[None] | None = None
         super().connection_made(transport)
         if len(self.ledger.accounts) > self.most:
@@ -65,7 +66,7 @@ class Incoming(ServerConnection):
 
     def data_received(self, data: bytes) -> None:
         """Count data. From a client that is being disconnected, only a farewell is accepted."""
-        self._buffer(len(data))
+        self._count(len(data))
         if self.account.is_closed:
             self._farewell -= len(data)
             if self._farewell < 0:
@@ -76,18 +77,16 @@ class Incoming(ServerConnection):
         self._unwritten = unwritten
 
     def process_event(self, event: object) -> None:
-        """Count a complete frame."""
-        if isinstance(event, Frame):
-            self._buffer(-_length_on_the_wire(event))
-            if event.opcode in DATA_OPCODES:
-                size = len(event.data) + _FRAME
-                self.account.add(size)
-                self._message += size
-                if event.fin:
-                    self._messages.append(self._message)
-                    self._message = 0
+        """Count a complete frame. Bytes received with the end of a message belong to it."""
+        if not isinstance(event, Frame):  # the request of the handshake
+            self._count(-self._incomplete)
+        elif event.opcode not in DATA_OPCODES:
+            self._count(-_HEADER - len(event.data))
         else:
-            self._buffer(-self._buffered)
+            self._count(_FRAME)
+            if event.fin:
+                self._complete.append(self._incomplete)
+                self._incomplete = 0
         super().process_event(event)  # type: ignore[arg-type]
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -97,7 +96,7 @@ class Incoming(ServerConnection):
 
     def taken(self) -> None:
         """Stop counting the oldest complete message, because it is handled."""
-        self.account.add(-self._messages.popleft())
+        self.account.add(-self._complete.popleft())
 
     def dismiss(self, why: str) -> None:
         """Close the connection. A client that does not read does not get the reason."""
@@ -108,15 +107,9 @@ class Incoming(ServerConnection):
             await done_within(self.close(_POLICY, why), _GOODBYE)
         self.transport.abort()
 
-    def _buffer(self, size: int) -> None:
-        self._buffered += size
+    def _count(self, size: int) -> None:
+        self._incomplete += size
         self.account.add(size)
-
-
-def _length_on_the_wire(frame: Frame) -> int:
-    """Return the size in bytes of a client's frame: header, mask, data (RFC 6455, 5.2)."""
-    length = len(frame.data)
-    return length + (6 if length < 126 else 8 if length < 65536 else 14)
 
 
 MOST_CLIENTS = 1000
@@ -262,6 +255,12 @@ class RosbridgeServer:
             for _ in range(_TURNS):
                 await asyncio.sleep(0)
 
+    def _handle(self, client: Client, text: str | bytes) -> None:
+        self.clients[client].taken()
+        if not client.account.is_closed:
+            client.heard += 1
+            self._exchange.take(client, text)
+
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         """Reject web pages that are not trusted. A client without an origin is accepted."""
         host = ",".join(request.headers.get_all("Host"))
@@ -303,24 +302,11 @@ class RosbridgeServer:
 
         connection.account.let_go = let_go
         self.clients[client] = connection
-        sending = asyncio.create_task(client.send_forever())
         try:
-            async for text in connection:
-                connection.taken()
-                if connection.account.is_closed:
-                    break
-                client.heard += 1
-                self._exchange.take(client, text)
-                # Serve other clients, however much this one sends.
-                await asyncio.sleep(0)
-        except ConnectionClosed:
-            pass
+            await client.attend(connection, partial(self._handle, client))
         except Exception as why:
             self._failed(why)
         finally:
-            sending.cancel()
-            with suppress(asyncio.CancelledError, ConnectionClosed):
-                await sending
             del self.clients[client]
             self._slow.discard(client)
             self._exchange.forget(client)

@@ -6,35 +6,25 @@ import asyncio
 import math
 import socket
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from ..cell import Pace
+from ..competition import RefusedError
+from ..competition.machine_topics import TRAJECTORY
+from ..competition.topics import ENDED, STARTED
 from ..live.live_run import LiveRun
 from ..live.page_server import Origins
-from ..simulation import Simulation
-from .client import Client
-from .exchange import Exchange, RefusedError, provide_rosapi
-from .machine_topics import TRAJECTORY
+from .client import Client, done_within
+from .exchange import Exchange
+from .rosapi import provide_rosapi
 from .server import RosbridgeServer, listen_at
 from .uplink import Uplink
-from .waiting import done_within
-from .workcell import ENDED, STARTED, BridgeError, Workcell
+from .workcell import BridgeError, Workcell
 
 PERIOD = 0.1
 """Seconds of real time between two requests of the page that are carried out."""
 
 PAUSED = "it is paused on its page"
-
-
-async def attend(viewer: LiveRun, simulation: Simulation) -> None:
-    """Attend to a page until this is cancelled."""
-    try:
-        while True:
-            viewer.attend(simulation)
-            await asyncio.sleep(PERIOD)
-    finally:
-        viewer.leave()
 
 
 LONGEST = 1.0
@@ -102,6 +92,8 @@ class Session:
         )
         self._workcell = workcell
         self._viewer = viewer
+        self._attends_at = 0.0
+        """Real time at which the page is answered again."""
         self._notice = workcell.notice = notice
         self._hold = hold
         self._grace = grace if speed else 0.0
@@ -171,7 +163,7 @@ class Session:
         if not self._pace.speed:
             raise BridgeError("speed must be more than 0 through another rosbridge server")
         self.server = self._uplink = Uplink(
-            self._exchange, url, notice=self._notice, changed=self._changed.set
+            self._exchange, url, notice=self._notice, changed=self._changed.set, failed=self._fail
         )
         await self._uplink.open()
 
@@ -183,30 +175,25 @@ class Session:
         Exception
             Whatever custom programs of the trial raise.
         """
-        showing = self._show()
+        viewer, simulation = self._viewer, self._workcell.simulation
+        if viewer is not None:
+            viewer.follow(simulation, self._pace)
         try:
             while not self._is_over:
+                if viewer is not None and _real_time() >= self._attends_at:
+                    self._attends_at = _real_time() + PERIOD
+                    viewer.attend(simulation)
                 await self._continue_run()
             if self._failure is not None:
                 raise self._failure
             self._pace.check()
             self._workcell.cell.update()
             self._workcell.publish()
-            self._workcell.enter(ENDED)
+            self._workcell.competition.enter(ENDED)
         finally:
-            if showing is not None:
-                showing.cancel()
-                with suppress(asyncio.CancelledError):
-                    await showing
+            if viewer is not None:
+                viewer.leave()
             await self.server.close()
-
-    def _show(self) -> asyncio.Task[None] | None:
-        """Show the run to the viewer from now on."""
-        if self._viewer is None:
-            return None
-        simulation = self._workcell.simulation
-        self._viewer.follow(simulation, self._pace)
-        return asyncio.create_task(attend(self._viewer, simulation))
 
     @property
     def _is_over(self) -> bool:
@@ -316,7 +303,7 @@ class Session:
         self._grace, self._agent_since = 0.0, None
         now = self._workcell.now
         if not now:
-            self._workcell.enter(STARTED)
+            self._workcell.competition.enter(STARTED)
         self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
 
     def _say(self, text: str) -> None:
@@ -380,4 +367,4 @@ def _real_time() -> float:
 
 
 def _is_controller(client: Client) -> bool:
-    return TRAJECTORY in client.advertised
+    return f"/{TRAJECTORY}" in client.advertised

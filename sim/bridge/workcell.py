@@ -6,27 +6,21 @@ from collections.abc import Callable
 
 from floorplan import UserError
 
-from ..cell import Cell, Pace
+from ..cell import Cell, Pace, Pose
+from ..competition import CompetitionTopics, Values, add_gantry
+from ..competition.human_topics import COMMANDS, START
+from ..competition.messages import seconds, transform
 from ..core.body import Body
-from ..core.recorder import Event, Listener
-from ..orders.workload import Workload
+from ..core.recorder import Listener
 from ..people.minds import Outside
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
 from ..trials.trial import Trial
+from .body_topics import add_body_topics, topics_of
 from .exchange import Exchange
-from .floor_topics import FloorTopics
-from .human_topics import COMMANDS, START, HumanTopics
-from .machine_topics import AgvTopics, GantryTopics
-from .messages import human_state, order_message, seconds, transforms
-
-READY, STARTED, ANNOUNCED, ENDED = 1, 2, 3, 4
-"""Phases of ariac_msgs/CompetitionState. ANNOUNCED: started, and all orders are announced."""
 
 RATE = 10.0
 """Hz, in simulated time. Rate at which the state is published."""
-
-_MOST_ORDERS = 1000
 
 
 class BridgeError(UserError):
@@ -51,8 +45,10 @@ class Workcell:
         The simulation, which is started.
     cell : Cell
         Signals, commands and tasks of the simulation.
+    competition : CompetitionTopics
+        Topics and services of the competition.
     person : Person or None
-        Person of the competition's topics: the first external one, or the first.
+        Person of the competition's topics.
     external : tuple of Person
         People who are driven from outside.
     agents : dict of str to tuple
@@ -72,39 +68,23 @@ class Workcell:
         for person in simulation.people:
             person.walker.prepare()  # so that clients need not wait for the planner later
         self._exchange = exchange
-        self._floor = trial.floorplan
-        self._orders = exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=_MOST_ORDERS)
-        self._phase = exchange.advertise(
-            "/ariac/competition_state", "ariac_msgs/CompetitionState", latched=1
-        )
-        orders = trial.workload.orders if isinstance(trial.workload, Workload) else ()
-        self._unannounced = {order.id: order for order in orders}
         self._published_at = -1.0
         self.cell = cell = Cell(simulation, notice=lambda text: self.notice(text))
-        driven = driven_person(trial)
-        self.person = None if driven is None else simulation.people[driven]
+        exchange.advertise("/clock", "rosgraph_msgs/Clock", lambda: {"clock": seconds(self.now)})
+        self.competition = CompetitionTopics(cell, exchange)
+        self.person = self.competition.person
         self.external = tuple(p for p in simulation.people if isinstance(p.mind, Outside))
-        self.needs_controller = False
-        self._clock = exchange.advertise("/clock", "rosgraph_msgs/Clock")
-        self._tf = exchange.advertise("/tf", "tf2_msgs/TFMessage")
-        self._state = exchange.advertise("/ariac_human/state", "ariac_msgs/HumanState")
-        self._agvs = AgvTopics(simulation.agvs, cell, exchange)
-        self._gantry: GantryTopics | None = None
-        if simulation.gantry is not None:
-            self.needs_controller = trial.gantry.controller == EXTERNAL
-            self._gantry = GantryTopics(
-                simulation.gantry, cell, exchange, driven=self.needs_controller
-            )
-        self._human = None if self.person is None else HumanTopics(self.person, cell, exchange)
-        self._all = FloorTopics(cell, exchange)
-        self.agents = {one.name: self._all.topics_of(one.name) for one in self.external}
+        has_gantry = simulation.gantry is not None
+        self.needs_controller = has_gantry and trial.gantry.controller == EXTERNAL
+        add_gantry(cell, exchange)
+        add_body_topics(cell, exchange)
+        self.agents = {one.name: topics_of(one.name) for one in self.external}
         if self.person in self.external:
             heard, commanded = self.agents[self.person.name]
             self.agents[self.person.name] = heard | {START}, commanded | COMMANDS.keys()
         self._frames = self._named_frames()
-        cell.signals["events"].watch(self._announce)
+        exchange.advertise("/tf", "tf2_msgs/TFMessage", self._transforms)
         self.follow(cell.pace)
-        self.enter(READY)
         for event in simulation.events:
             cell.signals["events"].send(event)
         self.publish()
@@ -122,40 +102,16 @@ class Workcell:
 
     def publish(self) -> None:
         """Publish the present state, once at each time."""
-        exchange, simulation, now = self._exchange, self.simulation, self.now
-        if now == self._published_at:
+        if self.now == self._published_at:
             return
-        self._published_at = now
-        exchange.publish(self._clock, {"clock": seconds(now)})
-        if self._state.is_needed and self.person is not None:
-            gantry = simulation.gantry
-            robot = gantry.state if gantry else None
-            height = gantry.gantry.rail_height if gantry else 0.0
-            exchange.publish(self._state, human_state(self.person.walker.body.state, robot, height))
-        if self.repeats and self._human is not None:
-            self._human.repeat()
-        self._agvs.publish()
-        if self._gantry is not None:
-            self._gantry.publish(now)
-        self._all.publish(now)
-        if self._tf.is_needed:
-            exchange.publish(self._tf, transforms(now, self._frames))
+        self._published_at = self.now
+        self._exchange.publish_state()
+        if self.repeats:
+            self.competition.repeat()
 
     def _publish_before_decision(self) -> None:
         if self.cell.has_decision:
             self.publish()
-
-    def enter(self, phase: int) -> None:
-        """Publish that the competition enters a phase."""
-        self._exchange.publish(self._phase, {"competition_state": phase})
-
-    def _announce(self, event: Event) -> None:
-        """Publish an order that is announced."""
-        if event["kind"] == "order_announced":
-            order = self._unannounced.pop(event["order"])
-            self._exchange.publish(self._orders, order_message(order, self._floor))
-            if not self._unannounced:
-                self.enter(ANNOUNCED)
 
     def _named_frames(self) -> list[tuple[str, Body, float]]:
         """Return the frames of person, gantry, AGVs and all others, with heights in metres."""
@@ -170,8 +126,11 @@ class Workcell:
         others = [body for body in simulation.bodies if body not in listed]
         return [*frames, *((f"{body.name}/base_link", body, 0.0) for body in others)]
 
-
-def driven_person(trial: Trial) -> int | None:
-    """Return the index of the person of the topics: the first external one, or the first."""
-    external = [k for k, person in enumerate(trial.people) if person.personality == EXTERNAL]
-    return external[0] if external else (0 if trial.people else None)
+    def _transforms(self) -> Values:
+        """Return tf2_msgs/TFMessage from the world to all frames."""
+        return {
+            "transforms": [
+                transform(self.now, "world", name, Pose.of(body.state), height)
+                for name, body, height in self._frames
+            ]
+        }

@@ -7,10 +7,9 @@ values that must not enter.
 
 from .admission import Rejected
 from .cell import Cell
-from .commands import CellCommand
 from .pace import Pace
 from .signals import Signal
-from .tasks import CellTask, Running
+from .tasks import CellCommand, CellTask, Running
 from .trajectories import JointPoint, JointTrajectory
 from .values import Feedback, MonitorState, Pose, Scan, Velocity
 

@@ -13,7 +13,7 @@ from floorplan import UserError
 from floorplan.files.fields import LARGEST
 from navigation import PlanningError
 
-from ..simulation import Simulation
+from .pace import Pace
 from .values import Pose
 
 MOST_COMMANDS = 300
@@ -80,14 +80,17 @@ class Admission:
     `PERIOD`, and everything after the end. `notice(text)` gets one line for each kind of fault.
     """
 
-    def __init__(self, simulation: Simulation, notice: Callable[[str], None]) -> None:
-        self.catch_up: Callable[[], None] = lambda: None
-        """Brings simulated time up to date, so that a value takes effect when it arrives."""
-        self.is_open: Callable[[], bool] = lambda: not simulation.over
-        self._clock = simulation.clock
+    def __init__(self, pace: Pace, notice: Callable[[str], None]) -> None:
         self._notices = Notices(notice)
         self._counts: dict[str, tuple[int, int]] = {}
         self._sources: dict[str, tuple[str, float]] = {}
+        self.follow(pace)
+
+    def follow(self, pace: Pace) -> None:
+        """Admit values until the end of a pace."""
+        self._pace = pace
+        self.catch_up: Callable[[], None] = pace.catch_up
+        """Brings simulated time up to date, so that a value takes effect when it arrives."""
 
     def admit(self, name: str, value: object, source: str = "") -> None:
         """Admit a value at the present time.
@@ -110,11 +113,11 @@ class Admission:
             if not abs(number) <= LARGEST:
                 reason = f"numbers must be finite and at most {LARGEST:g}, not {number:g}"
                 raise self.rejected(name, value, reason)
-        if self.is_open():
+        if not self._pace.over:
             self.catch_up()
-        if not self.is_open():
+        if self._pace.over:
             raise self.rejected(name, value, "the run is over")
-        now = self._clock.now
+        now = self._pace.now
         period, count = self._counts.get(name, (0, 0))
         this = math.floor(now / PERIOD)
         self._counts[name] = this, count = this, count + 1 if period == this else 1
@@ -142,8 +145,8 @@ class Admission:
 
     def _check_source(self, name: str, source: str) -> None:
         before, at = self._sources.get(name, (source, 0.0))
-        self._sources[name] = source, self._clock.now
-        if source and before and source != before and self._clock.now - at <= RECENT:
+        self._sources[name] = source, self._pace.now
+        if source and before and source != before and abs(self._pace.now - at) <= RECENT:
             text = f"{name} is commanded by {before} and {source}; the last one counts"
             self._notices.add(text, (name, "sources"))
 

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 from ..people.minds import Outside
 from ..simulation import Simulation
 from .admission import Admission
-from .commands import CellCommand, commands_of
-from .journeys import journeys_of
+from .machines import commands_of_machine, tasks_of_machine
 from .pace import Pace
+from .people import commands_of_person, tasks_of_person
 from .signals import Signal, signals_of
-from .tasks import OVER, REPLACED, CellTask, Running
+from .tasks import BEGUN_AGAIN, OVER, REPLACED, CellCommand, CellTask, Running
+
+INDEPENDENT = ("start", "hold")
+"""Commands that leave a task under way."""
 
 
 class Cell:
@@ -54,38 +59,63 @@ class Cell:
         *,
         notice: Callable[[str], None] = lambda text: None,
     ) -> None:
-        simulation.start()
-        self.simulation = simulation
-        self.admission = Admission(simulation, notice)
         self.has_decision = False
         """Whether an external person has something to decide on now."""
-        self.follow(pace or Pace(simulation, step=True))
-        self.signals: dict[str, Signal] = {one.name: one for one in signals_of(simulation)}
-        self.commands: dict[str, CellCommand] = {
-            one.name: one for one in commands_of(simulation, self.admission, self._interrupt)
-        }
-        self.tasks: dict[str, CellTask] = {
-            name: CellTask(name, self.admission, make, self.update, self._begin)
-            for name, make in journeys_of(simulation)
-        }
+        self.signals: dict[str, Signal] = {}
         self._running: dict[str, Running] = {}
         """Task under way of each person and machine."""
+        self._bind(simulation)
+        pace = pace or Pace(simulation, step=True)
+        self.admission = Admission(pace, notice)
+        self.follow(pace)
+        self.commands = {name: CellCommand(name, self._carry_out) for name in self._commands}
+        self.tasks = {name: CellTask(name, self._carry_out) for name in self._tasks}
         self._states = [one for name, one in self.signals.items() if name.endswith("/state")]
         self._sent = {one: one.read() for one in self._states}
         self._events = len(simulation.events)
-        self._outside = {
-            person.name: person.mind
-            for person in simulation.people
-            if isinstance(person.mind, Outside)
-        }
-        for mind in self._outside.values():
-            mind.on_decision.append(self._decide)
+
+    def _bind(self, simulation: Simulation) -> None:
+        """Read and command a simulation, which is started."""
+        simulation.start()
+        self.simulation = simulation
+        for signal in signals_of(simulation):
+            self.signals.setdefault(signal.name, signal).read = signal.read
+        self._commands: dict[str, Callable[[Any], object]] = {}
+        self._tasks: dict[str, Callable[[Any], Running]] = {}
+        self._outside: dict[str, Outside] = {}
+        for person in simulation.people:
+            self._commands |= commands_of_person(simulation, person)
+            self._tasks |= tasks_of_person(simulation, person)
+            if isinstance(person.mind, Outside):
+                self._outside[person.name] = person.mind
+                person.mind.on_decision.append(self._decide)
+        for machine in simulation.machines.values():
+            self._commands |= commands_of_machine(machine)
+            self._tasks |= tasks_of_machine(machine)
+
+    def continue_with(self, simulation: Simulation) -> None:
+        """Continue with another simulation of the same trial.
+
+        Tasks under way fail. Signals, commands and tasks keep their names and those who watch them.
+        `events` sends the events of the other simulation from its start.
+
+        Parameters
+        ----------
+        simulation : Simulation
+            The simulation. It is started unless it has been.
+        """
+        for running in self._running.values():
+            running.end(BEGUN_AGAIN)
+        self._running.clear()
+        self._bind(simulation)
+        self.pace.continue_with(simulation)
+        self._events = 0
+        self.update()
 
     def follow(self, pace: Pace) -> None:
         """Change the pace, which is then interrupted at each decision of an external person."""
         self.pace = pace
-        self.admission.is_open = lambda: not pace.over
-        self.admission.catch_up = pace.catch_up
+        self.admission.follow(pace)
         pace.enough = lambda: self.has_decision
         if self.update not in pace.after:
             pace.after.append(self.update)
@@ -125,9 +155,26 @@ class Cell:
     def _decide(self) -> None:
         self.has_decision = True
 
-    def _begin(self, body: str, running: Running) -> None:
+    def _carry_out(self, name: str, value: Any, source: str) -> Any:
+        """Admit a value for a command or task, and carry it out."""
+        action = self._begin if name in self._tasks else self._perform
+        return self.admission.carry_out(name, value, source, partial(action, name))
+
+    def _perform(self, name: str, value: Any) -> None:
+        self._commands[name](value)
+        body, _, command = name.rpartition("/")
+        if command not in INDEPENDENT:
+            self._interrupt(body)
+
+    def _begin(self, name: str, goal: Any) -> Running:
+        self.update()
+        running = self._tasks[name](goal)
+        running.refresh = self.update
+        running.begin()
+        body = name.rpartition("/")[0]
         self._interrupt(body)
         self._running[body] = running
+        return running
 
     def _interrupt(self, body: str) -> None:
         """End the task of a person or machine, because something else replaces it."""

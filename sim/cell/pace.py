@@ -27,6 +27,10 @@ class _Tick:
         self.action = action
         self.count = 0
 
+    def begin(self, now: float) -> None:
+        """Count from a time (s)."""
+        self.count = math.floor(now / self.period + 1e-9)
+
     @property
     def next(self) -> float:
         return (self.count + 1) * self.period
@@ -76,7 +80,7 @@ class Pace:
         self._simulation = simulation
         self._clock = simulation.clock
         self._speed = 0.0 if step else checked_speed(speed)
-        self._now = now
+        self._real_time = now
         self._at = simulation.clock.now
         self._since: float | None = None
         self._ended = False
@@ -86,6 +90,11 @@ class Pace:
     def speed(self) -> float:
         """Simulated seconds per second of real time, or 0 if time advances in steps."""
         return self._speed
+
+    @property
+    def now(self) -> float:
+        """Simulated time in seconds."""
+        return self._clock.now
 
     @property
     def over(self) -> bool:
@@ -129,21 +138,35 @@ class Pace:
         """Hold the run for a reason. Return whether it was not held."""
         before, self.held = self.held, reason
         if not before:
-            self._restart(self._clock.now)
+            self._restart(self.now)
         return not before
 
     def release(self) -> bool:
         """Continue from now on. Return whether the run was held."""
         before, self.held = self.held, ""
         if before:
-            self._restart(self._clock.now)
+            self._restart(self.now)
         return bool(before)
 
     def every(self, period: float, action: Callable[[], None]) -> None:
         """Call a function whenever simulated time reaches a multiple of a period (s)."""
         tick = _Tick(period, action)
-        tick.count = math.floor(self._clock.now / period + 1e-9)
+        tick.begin(self.now)
         self._ticks.append(tick)
+
+    def continue_with(self, simulation: Simulation) -> None:
+        """Advance another simulation from its present time on, with the same speed and ticks.
+
+        Parameters
+        ----------
+        simulation : Simulation
+            The simulation.
+        """
+        self._simulation, self._clock = simulation, simulation.clock
+        self._ended, self.failure = False, None
+        for tick in self._ticks:
+            tick.begin(self.now)
+        self._restart(self.now)
 
     @property
     def next_tick(self) -> float:
@@ -153,15 +176,15 @@ class Pace:
     def target(self) -> float:
         """Return the simulated time (s) that real time requires now."""
         if self._since is None:
-            self._since = self._now()
+            self._since = self._real_time()
         if self.held or self.paused or not self._speed:
             return self._at
-        return self._at + (self._now() - self._since) * self._speed
+        return self._at + (self._real_time() - self._since) * self._speed
 
     def catch_up(self, longest: float = math.inf) -> None:
         """Advance to the time that real time requires, by at most `longest` seconds."""
-        target = min(self.target(), self._clock.now + longest)
-        while self._clock.now < target and not self.over:
+        target = min(self.target(), self.now + longest)
+        while self.now < target and not self.over:
             self.advance(target)
 
     def delay(self) -> float:
@@ -175,7 +198,7 @@ class Pace:
         """Continue from the present if the run is late by `BEHIND`. Return whether it is."""
         is_late = self.delay() < -BEHIND
         if is_late:
-            self._restart(self._clock.now)
+            self._restart(self.now)
         return is_late
 
     def step(self, seconds: float) -> None:
@@ -193,10 +216,10 @@ class Pace:
         """
         if not 0 <= seconds < math.inf:
             raise UserError(f"step(seconds) must be 0 or more and finite, not {seconds:g}")
-        until = self._clock.now + seconds
-        while self._clock.now < until and not self.over:
+        until = self.now + seconds
+        while self.now < until and not self.over:
             self.advance(until)
-        self._restart(self._clock.now)
+        self._restart(self.now)
 
     def advance(self, until: float) -> bool:
         """Advance to a time (s), but not beyond the next tick. Return whether `enough` ended it."""
@@ -215,7 +238,7 @@ class Pace:
             return False
         for action in self.after:
             action()
-        now = self._clock.now
+        now = self.now
         for tick in self._ticks:
             if now >= tick.next:
                 tick.count += 1
@@ -224,4 +247,4 @@ class Pace:
 
     def _restart(self, at: float) -> None:
         """Relate the simulated time `at` to the present."""
-        self._at, self._since = at, self._now()
+        self._at, self._since = at, self._real_time()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from typing import Any
+
+from floorplan.files.dataclass import dataclass
 
 from ..core.body import Body, Machine
 from ..core.recorder import Event

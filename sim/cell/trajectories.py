@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from simpy.events import Event
 
 from floorplan import Gantry, UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion, Piece
-from navigation.motion import Cubic, State
+from navigation.motion import Cubic, State, value
 
 from ..machines.gantry.robot import GantryRobot
 
@@ -78,8 +79,7 @@ def follow(gantry: GantryRobot, trajectory: JointTrajectory) -> Event:
     try:
         if target is not None:
             return gantry.move_to(*target, resume=False)
-        motion = motion_along(gantry.gantry, gantry.state, gantry.now, trajectory)
-        return gantry.follow(motion)
+        return gantry.follow(motion_along(gantry.gantry, gantry.state, gantry.now, trajectory))
     except TrajectoryError:
         raise
     except ValueError as why:
@@ -88,10 +88,10 @@ def follow(gantry: GantryRobot, trajectory: JointTrajectory) -> Event:
 
 def target_in(gantry: Gantry, trajectory: JointTrajectory) -> tuple[float, float, float] | None:
     """Return the target (x, y, rotation) of a trajectory of one point without a time, or None."""
-    points, order = trajectory.points, _order(trajectory.names)
+    points = trajectory.points
     if len(points) != 1 or points[0].time or points[0].velocities:
         return None
-    return pose_of(gantry, _ordered("positions", points[0].positions, order, 0))
+    return pose_of(gantry, _ordered(trajectory.names, "positions", points[0].positions, 0))
 
 
 def motion_along(gantry: Gantry, current: State, now: float, trajectory: JointTrajectory) -> Motion:
@@ -101,56 +101,63 @@ def motion_along(gantry: Gantry, current: State, now: float, trajectory: JointTr
     limits, or does not end at rest.
     """
     pieces = []
-    times, positions, velocities = _knots(gantry, current, trajectory)
-    for a, b in itertools.pairwise(range(len(times))):
-        cubics = [
-            _cubic(times[b] - times[a], *ends)
-            for ends in zip(positions[a], velocities[a], positions[b], velocities[b], strict=True)
-        ]
-        piece = Piece(now + times[a], now + times[b], *_in_the_world(gantry, cubics))
-        _require_possible(gantry, piece, times[a])
+    for a, b in itertools.pairwise(_knots(gantry, current, trajectory)):
+        x, y, rotation = (
+            _cubic(b.time - a.time, *ends)
+            for ends in zip(a.position, a.velocity, b.position, b.velocity, strict=True)
+        )
+        piece = Piece(now + a.time, now + b.time, x, y, rotation)
+        _require_possible(gantry, piece, a.time)
         pieces.append(piece)
     return Motion(tuple(pieces))
 
 
-def _knots(
-    gantry: Gantry, current: State, trajectory: JointTrajectory
-) -> tuple[list[float], list[JointValues], list[JointValues]]:
-    """Return times, positions and velocities of the start and of the points after it."""
-    order, points = _order(trajectory.names), trajectory.points
+class _Knot(NamedTuple):
+    """Time since the start (s), pose and velocity of the gantry in the world."""
+
+    time: float
+    position: JointValues
+    velocity: JointValues
+
+
+def _knots(gantry: Gantry, current: State, trajectory: JointTrajectory) -> list[_Knot]:
+    """Return the start of a motion, and the points after it."""
+    names, points = trajectory.names, trajectory.points
     if not points:
         raise TrajectoryError("a trajectory without points")
-    times: list[float] = [0.0]
-    positions: list[JointValues] = [joint_values(gantry, current.position)]
-    specified: list[JointValues | None] = [joint_values(gantry, current.velocity, origin=False)]
+    times, positions = [0.0], [current.position]
+    velocities: list[JointValues | None] = [current.velocity]
     for k, point in enumerate(points):
-        time, at = point.time, _ordered("positions", point.positions, order, k)
-        speeds = _ordered("velocities", point.velocities, order, k) if point.velocities else None
-        if k == 0 and time == 0.0:
-            # A controller that repeats where the gantry is means no jump, but knows the place only
-            # nearly.
-            off = max(abs(a - b) for a, b in zip(positions[0], at, strict=True))
+        position = pose_of(gantry, _ordered(names, "positions", point.positions, k))
+        velocity = None
+        if point.velocities:
+            speeds = _ordered(names, "velocities", point.velocities, k)
+            velocity = pose_of(gantry, speeds, origin=False)
+        if k == 0 and point.time == 0.0:
+            # A controller that repeats the pose of the gantry knows it only approximately.
+            off = max(abs(a - b) for a, b in zip(positions[0], position, strict=True))
             if off > TOLERANCE:
                 raise TrajectoryError(
                     f"it begins {off:.3f} m or rad from where the gantry is; give its first point"
                     " a time_from_start to get there"
                 )
             continue
-        if not time > times[-1]:
-            raise TrajectoryError(f"points[{k}] comes at {time:g} s, not after {times[-1]:g} s")
-        times.append(time)
-        positions.append(at)
-        specified.append(speeds)
+        if not point.time > times[-1]:
+            raise TrajectoryError(
+                f"points[{k}] comes at {point.time:g} s, not after {times[-1]:g} s"
+            )
+        times.append(point.time)
+        positions.append(position)
+        velocities.append(velocity)
     if len(times) == 1:
         raise TrajectoryError("a trajectory that ends where it begins")
-    if any(abs(v) > TOLERANCE for v in specified[-1] or ()):
+    if any(abs(v) > TOLERANCE for v in velocities[-1] or ()):
         raise TrajectoryError("it does not end at rest")
-    specified[-1] = (0.0,) * len(JOINTS)
-    velocities = [
-        _towards_neighbours(times, positions, k) if velocity is None else velocity
-        for k, velocity in enumerate(specified)
+    velocities[-1] = (0.0,) * len(JOINTS)
+    return [
+        _Knot(times[k], positions[k], velocity or _towards_neighbours(times, positions, k))
+        for k, velocity in enumerate(velocities)
     ]
-    return times, positions, velocities
 
 
 def _towards_neighbours(
@@ -164,34 +171,19 @@ def _towards_neighbours(
     )
 
 
-def _order(names: Sequence[str]) -> list[int]:
-    """Return the index in a message of each joint of the gantry."""
+def _ordered(names: Sequence[str], field: str, values: JointValues, k: int) -> JointValues:
+    """Return values of joints with `names` in the order of the gantry's joints."""
     if sorted(names) != sorted(JOINTS):
         raise TrajectoryError(f"joint_names should be {', '.join(JOINTS)}, in any order")
-    return [names.index(name) for name in JOINTS]
-
-
-def _ordered(field: str, values: JointValues, order: list[int], k: int) -> JointValues:
-    if len(values) != len(order):
-        raise TrajectoryError(f"points[{k}] has {len(values)} {field} for {len(order)} joints")
-    return tuple(values[j] for j in order)
+    if len(values) != len(JOINTS):
+        raise TrajectoryError(f"points[{k}] has {len(values)} {field} for {len(JOINTS)} joints")
+    return tuple(values[names.index(name)] for name in JOINTS)
 
 
 def _cubic(duration: float, p: float, v: float, q: float, w: float) -> Cubic:
     """Return the Hermite cubic from position `p` and velocity `v` to `q` and `w`."""
     slope = (q - p) / duration
     return (p, v, (3 * slope - 2 * v - w) / duration, (v + w - 2 * slope) / duration**2)
-
-
-def _in_the_world(gantry: Gantry, cubics: Sequence[Cubic]) -> tuple[Cubic, Cubic, Cubic]:
-    """x, y and rotation in the world from those of the joints."""
-    starts = pose_of(gantry, [cubic[0] for cubic in cubics])
-    signs = pose_of(gantry, (1.0, 1.0, 1.0), origin=False)
-    x, y, rotation = (
-        (start, sign * cubic[1], sign * cubic[2], sign * cubic[3])
-        for start, sign, cubic in zip(starts, signs, cubics, strict=True)
-    )
-    return x, y, rotation
 
 
 def _require_possible(gantry: Gantry, piece: Piece, begin: float) -> None:
@@ -206,30 +198,23 @@ def _require_possible(gantry: Gantry, piece: Piece, begin: float) -> None:
             (_derivative(speed), axis.max_acceleration, "accelerate by", f"{unit}/s²"),
         ):
             for u in _extremes(rate, duration):
-                if abs(_value(rate, u)) > limit * (1 + TOLERANCE):
+                if abs(value(rate, u)) > limit * (1 + TOLERANCE):
                     raise TrajectoryError(
-                        f"{name} would {verb} {abs(_value(rate, u)):.3g} {per} at"
+                        f"{name} would {verb} {abs(value(rate, u)):.3g} {per} at"
                         f" {begin + u:.3g} s; {limit:.3g} {per} is the most"
                     )
     for u in (u for cubic in cubics for u in _extremes(cubic, duration)):
-        x, y, rotation = (_value(cubic, u) for cubic in cubics)
-        faults = gantry.faults((x, y, rotation))
-        if faults:
+        x, y, rotation = (value(cubic, u) for cubic in cubics)
+        if faults := gantry.faults((x, y, rotation)):
             raise TrajectoryError(faults[0])
-
-
-def _value(c: Cubic, u: float) -> float:
-    return c[0] + u * (c[1] + u * (c[2] + u * c[3]))
 
 
 def _derivative(c: Cubic) -> Cubic:
     return (c[1], 2 * c[2], 3 * c[3], 0.0)
 
 
-def _extremes(cubic: Cubic, duration: float) -> Iterator[float]:
-    """Yield the times at which a cubic may have an extremum: its ends and its stationary points."""
-    yield 0.0
-    yield duration
+def _extremes(cubic: Cubic, duration: float) -> list[float]:
+    """Return the times at which a cubic may have an extremum: its ends and stationary points."""
     _, b, c, d = cubic
     turns: list[float] = []
     if d:
@@ -238,7 +223,7 @@ def _extremes(cubic: Cubic, duration: float) -> Iterator[float]:
         turns = [(-c + sign * math.sqrt(root)) / (3 * d) for sign in (1, -1) if root >= 0]
     elif c:
         turns = [-b / (2 * c)]
-    yield from (u for u in turns if 0 < u < duration)
+    return [0.0, duration, *(u for u in turns if 0 < u < duration)]
 
 
 def joint_values(

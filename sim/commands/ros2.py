@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
 from .run import changed, print_result, recording_of
 from .terminal import say, taken_by
+
+if TYPE_CHECKING:
+    from ..runs.recording import Recording
+    from ..runs.run import Run
+    from ..simulation import Simulation
+    from ..trials.trial import Trial
 
 
 def ros2(
@@ -30,7 +36,8 @@ def ros2(
 ) -> None:
     """Serve a trial to ROS 2, in place of Nav2's loopback simulator."""
     from floorplan import UserError
-    from sim import Simulation, Trial
+
+    from ..trials.trial import Trial
 
     try:
         from ..ros2 import serve
@@ -38,21 +45,53 @@ def ros2(
         raise UserError(str(why)) from why
     loaded = Trial.load(trial, own_code=not no_own_code)
     chosen = changed(loaded, personality, duration, seed, rules)
-    recording = recording_of(chosen.name, out)
-    simulation = Simulation(chosen, recording)
+    served = _Served(chosen, recording_of(chosen.name, out))
     try:
-        with taken_by(simulation.stop):
+        with taken_by(lambda: served.simulation.stop()):
             serve(
-                simulation,
+                served.simulation,
                 domain=domain,
                 namespace=namespace,
                 speed=speed,
                 step=step,
                 notice=lambda line: say(line, err=True),
+                restart=served.restart,
             )
     finally:
-        if simulation.has_started:
-            finished = simulation.finish()
-            recording.finish(finished)
-        recording.close()
-    print_result(finished, recording.folder, interrupted=simulation.stopped)
+        finished = served.finish()
+    if finished is not None:
+        folder, interrupted = served.recording.folder, served.simulation.stopped
+        print_result(finished, folder, interrupted=interrupted)
+
+
+class _Served:
+    """Simulation that is served, and its recording. Each restart begins another of both."""
+
+    def __init__(self, trial: Trial, recording: Recording) -> None:
+        self._trial = trial
+        self._folder = recording.folder
+        self._begin(recording)
+
+    def _begin(self, recording: Recording) -> None:
+        from ..simulation import Simulation
+
+        self.recording = recording
+        self.simulation = Simulation(self._trial, recording)
+
+    def restart(self) -> Simulation:
+        """Finish the simulation, and return the next one, whose folder has a number."""
+        from ..runs.recording import Recording
+
+        self.finish()
+        say(f"recorded in {self.recording.folder}", err=True)
+        self._begin(Recording(self._folder, numbered=True))
+        return self.simulation
+
+    def finish(self) -> Run | None:
+        """Finish the recording of the simulation, if it has started."""
+        finished = None
+        if self.simulation.has_started:
+            finished = self.simulation.finish()
+            self.recording.finish(finished)
+        self.recording.close()
+        return finished

@@ -7,7 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial, wraps
 from typing import Any, Literal, Protocol, TypeVar, cast, get_args
 
@@ -15,6 +15,7 @@ from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import Point, UserError, rectangle
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import brief
 from navigation import Box, CollisionWorld, Cylinder, Motion, Moving, Prism, first_time
 from navigation.encounter import Solid

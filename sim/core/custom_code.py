@@ -12,13 +12,14 @@ import warnings
 from collections.abc import Callable, Collection, Container, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 from types import FrameType, ModuleType
 from typing import Any, TypeAlias
 
 from floorplan import InputError, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 from floorplan.files.reading import is_file, read_bytes
 from navigation import PlanningError

@@ -5,17 +5,19 @@ from __future__ import annotations
 import math
 import sys
 import zlib
-from dataclasses import KW_ONLY, dataclass, field, fields, replace
+from dataclasses import KW_ONLY, field, fields, replace
 from datetime import date
 from random import Random
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, model_validator
 
 from floorplan import Obstacle, Point, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
     LARGEST,
     ComposedKeys,
+    Constrained,
     Expected,
     Fits,
     Flag,
@@ -28,7 +30,7 @@ from floorplan.files.fields import (
     whole,
 )
 from floorplan.files.footprints import Bottom, Top
-from floorplan.files.forms import Composed, Data, Written, written
+from floorplan.files.forms import Alias, Composed, Data, Written, written
 
 from .schedule import Drawn, Duration
 
@@ -267,7 +269,7 @@ class RecordedTrack(Keyed):
         name of the entry with the name or number of the body.
     """
 
-    file: Annotated[str, Field(min_length=1)]
+    file: Annotated[str, Constrained(min_length=1)]
     _: KW_ONLY
     body: Annotated[str | None, BeforeValidator(_as_name)] = None
     since: Number = 0.0
@@ -316,7 +318,7 @@ COMMANDS = ("send", "block", "clear", "hold", "release")
 class BlockKeys(Obstacle):
     """Keys of an obstacle that a command adds."""
 
-    name: Annotated[str, Field(min_length=1, alias="block")]
+    name: Annotated[str, Constrained(min_length=1), Alias("block")]
     bottom: Bottom = 0.0
     top: Top = 1.0
 
@@ -369,7 +371,7 @@ class Command(ComposedKeys, Keyed):
     to: Place | None = None
     block: Annotated[
         Obstacle | None,
-        Field(alias="\0block"),
+        Alias("\0block"),
         Composed(BlockKeys, BlockKeys.obstacle, _block_keys, only_with="block"),
     ] = None
     clear: str | None = None

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Annotated, Any
 
 from pydantic import model_validator
 
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import LARGEST, Fits, Keyed, NotNegative, Positive
 from navigation import FieldSet, ProtectiveFields
 from navigation.fields import UNBOUNDED

@@ -6,10 +6,11 @@ Listeners are notified immediately, so that the record of an interrupted run is 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, field
 from typing import Any
 
 from floorplan import Floorplan, Obstacle, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import brief
 from navigation import Motion, Shapes
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Annotated, Literal
 
 from floorplan import Point, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import LARGEST, Fits, Keyed, NotNegative, Number, Positive
 from floorplan.files.problems import suggestion
 from navigation import (

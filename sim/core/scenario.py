@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import KW_ONLY, field, replace
 from functools import lru_cache
 from itertools import accumulate, count, islice
 from pathlib import Path
 from random import Random
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, WrapValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, WrapValidator, model_validator
 from typing_extensions import Self
 
 import bdi
 from floorplan import Floorplan, InputError, Point, Problem, SafeZone, UserError
 from floorplan.checks import starting_fault
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
+    Constrained,
     Expected,
     Fits,
     Flag,
@@ -104,7 +106,7 @@ class TrialError(InputError):
 NAME = r"[^\W\d_][\w-]*"
 """Regular expression of the names of people, machines and work lists."""
 
-Name = Annotated[str, Field(pattern=f"^{NAME}$")]
+Name = Annotated[str, Constrained(pattern=f"^{NAME}$")]
 
 Personality = Annotated[str | bdi.Program, Written(str)]
 """Built-in name, .asl file, "external", or a program."""

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, replace
 from random import Random
 from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
     BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
@@ -23,10 +20,12 @@ from pydantic import (
 from typing_extensions import Self
 
 from floorplan import Obstacle, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
     LARGEST,
     SMALLEST,
     ComposedKeys,
+    Constrained,
     Expected,
     Fits,
     Flag,
@@ -38,7 +37,7 @@ from floorplan.files.fields import (
     size_fault,
     whole,
 )
-from floorplan.files.forms import Composed, Data, Written, written
+from floorplan.files.forms import Alias, Composed, Data, Tagged, Written, written
 
 DAY = 86_400.0
 """Seconds."""
@@ -236,14 +235,7 @@ def _drawn_fault(value: float | tuple[float, float] | Duration) -> str:
 
 Drawn = Annotated[
     float | tuple[float, float] | Duration,
-    Written(
-        Annotated[
-            Annotated[Positive, Tag("figure")]
-            | Annotated[Range, Tag("range")]
-            | Annotated[_Distribution, Tag("distribution")],
-            Discriminator(_form),
-        ]
-    ),
+    Tagged(_form, {"figure": Positive, "range": Range, "distribution": _Distribution}),
     Fits(_drawn_fault),
 ]
 """Number, range of a uniform distribution, or other distribution."""
@@ -275,7 +267,7 @@ class WorkTask(Keyed):
         Number of times it is offered with `every`. The default is no limit.
     """
 
-    at: Annotated[str, Field(min_length=1), Expected("the name of a station", str)]
+    at: Annotated[str, Constrained(min_length=1), Expected("the name of a station", str)]
     duration: Annotated[
         Duration,
         Written(Positive | _Distribution),
@@ -329,7 +321,7 @@ class WorkList(Keyed):
         Whether each task is offered again as soon as it is done.
     """
 
-    tasks: Annotated[tuple[WorkTask, ...], Field(min_length=1)]
+    tasks: Annotated[tuple[WorkTask, ...], Constrained(min_length=1)]
     repeat: Flag = False
 
     @model_validator(mode="before")
@@ -375,7 +367,7 @@ Shift = Annotated[
 Interval = Annotated[Shift, BeforeValidator(_or_for_ever)]
 """Begin and end in seconds. The end may be infinite, which a file writes as the begin alone."""
 
-Intervals = Annotated[tuple[Interval, ...], Field(min_length=1)]
+Intervals = Annotated[tuple[Interval, ...], Constrained(min_length=1)]
 
 
 @dataclass(frozen=True)
@@ -411,7 +403,7 @@ class TimedObstacle(ComposedKeys):
 
     obstacle: Annotated[
         Obstacle,
-        Field(alias="\0obstacle"),
+        Alias("\0obstacle"),
         Composed(Obstacle, written=_obstacle_keys),
     ]
     there: Intervals

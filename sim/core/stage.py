@@ -5,15 +5,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from pydantic import ConfigDict, TypeAdapter
+from pydantic import ConfigDict
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
 from floorplan import Door, Floorplan, Obstacle, Point, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import brief
 from floorplan.files.problems import Fault, suggestion
 from navigation import CollisionWorld, Motion, VehicleLimits
@@ -27,6 +28,9 @@ from .events import DoorClosed, DoorOpened, EventKind, ObstacleCame, ObstacleWen
 from .recorder import Event, Record
 from .rules import RuleSet
 from .schedule import DoorTimes, Interval, TimedObstacle, within
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
 
 
 @dataclass(frozen=True)
@@ -422,9 +426,6 @@ class MachineModel(ABC):
     key_schema: ClassVar[type | None] = None
     """Model of the keys in a trial file, if these are not the fields."""
 
-    _adapter: ClassVar[TypeAdapter[Any]]
-    """Reader of the keys, one per class."""
-
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> Self:
         """Return the model of a machine in a trial file.
@@ -441,9 +442,7 @@ class MachineModel(ABC):
         pydantic.ValidationError
             If a key is unknown or its value invalid.
         """
-        if "_adapter" not in vars(cls):  # building one takes 2 ms
-            cls._adapter = TypeAdapter(cls)
-        return cls._adapter.validate_python(dict(keys))  # type: ignore[no-any-return]
+        return _adapter(cls).validate_python(dict(keys))  # type: ignore[no-any-return]
 
     @abstractmethod
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
@@ -564,6 +563,8 @@ class MachineModel(ABC):
 @cache
 def _adapter(model: type[MachineModel]) -> TypeAdapter[Any]:
     """Return the reader of the keys of a model, which takes milliseconds to build."""
+    from pydantic import TypeAdapter
+
     return TypeAdapter(model)
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import cast
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 from floorplan.files.values import require
 

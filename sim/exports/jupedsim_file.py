@@ -12,13 +12,15 @@ import sqlite3
 import zlib
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import shapely
 from shapely.geometry import Point, Polygon
+
+from floorplan.files.dataclass import dataclass
 
 from ..record.outcome import Outcome
 from ..record.sampling import Array, blocks_of_instants, sample

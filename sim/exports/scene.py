@@ -12,7 +12,6 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from operator import attrgetter
 from typing import Literal
@@ -22,6 +21,7 @@ import shapely
 from shapely.geometry import Polygon
 
 from floorplan import Gantry, Obstacle, Point
+from floorplan.files.dataclass import dataclass
 from navigation import Motion
 
 from ..core.body import Category, MachineShape

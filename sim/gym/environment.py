@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from floorplan import InputError, UserError
+from floorplan.files.dataclass import dataclass
 
 from ..core.entries import Pose
 from ..core.recorder import Event, Listener

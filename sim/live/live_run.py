@@ -15,7 +15,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Any
@@ -24,6 +24,7 @@ from pydantic import ValidationError
 from typing_extensions import override
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion, standing
 
 from ..cell.pace import Pace, checked_speed

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -14,6 +13,7 @@ from simpy.events import Event, Process
 from typing_extensions import override
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion, minimum_margin
 from navigation.kernels.braking import Stops
 from navigation.motion import State

@@ -6,13 +6,14 @@ import inspect
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, is_dataclass, replace
+from dataclasses import is_dataclass, replace
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
 from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Gantry, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.forms import form_keys
 from floorplan.files.problems import Fault, Place, field_name, misfits, shown
 from navigation import ApproachLaw, IntegralLaw, SeparationLaw

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from simpy.events import Event
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 
 from .commanded import CommandedMachine, Sighting
 from .commanding import Steps

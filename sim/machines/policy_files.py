@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from floorplan.files.dataclass import dataclass
 from floorplan.files.reading import is_file
 
 from ..core.custom_code import CodeFolder

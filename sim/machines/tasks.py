@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from typing import Any
 
 from simpy.events import Event
 
 from floorplan import Point, UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion
 
 from ..core.clock import Clock

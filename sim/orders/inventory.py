@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
 from floorplan import Floorplan, Lane, Point
+from floorplan.files.dataclass import dataclass
 from navigation import Motion
 from navigation.motion import Piece
 

@@ -13,10 +13,10 @@ from floorplan.files.fields import (
     NotNegative,
     Number,
     Positive,
-    Strictly,
     is_figure,
     whole,
 )
+from floorplan.files.models import Strictly
 from floorplan.files.problems import shown
 
 Text = Annotated[str, BeforeValidator(lambda v: str(v) if type(v) is int else v)]

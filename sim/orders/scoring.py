@@ -8,7 +8,8 @@ the sum of its orders' points ("completion score").
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+
+from floorplan.files.dataclass import dataclass
 
 from .workload import AssemblyTask, CombinedTask, KittingTask, Load, PartType
 

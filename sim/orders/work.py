@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from typing import Any
 
 from floorplan import Floorplan, Point
+from floorplan.files.dataclass import dataclass
 
 from ..core.events import PartFaulty
 from ..core.recorder import Record

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, field
 from random import Random
+
+from floorplan.files.dataclass import dataclass
 
 from ..core.entries import Drop, OrderedWork, Start, seed_of
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from random import Random
@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 import bdi
 from bdi.reasoning.beliefs import LiveBeliefs
 from floorplan import Human, Point, UserError
+from floorplan.files.dataclass import dataclass
 from navigation import PathPlanner, standing
 
 from ..core.body import PERSON, Body, Machine, OnCommand, commands

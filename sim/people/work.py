@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, field
 from random import Random
 from typing import Any
 
 from bdi.reasoning.beliefs import LiveBeliefs
 from floorplan import Human, Point
+from floorplan.files.dataclass import dataclass
 
 from ..core.body import Body
 from ..core.clock import Alarm, Clock, Turn

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
 from typing import Any, Literal
+
+from floorplan.files.dataclass import dataclass
 
 from ..core import events
 from ..core.scenario import Scenario

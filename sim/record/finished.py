@@ -6,11 +6,12 @@ import itertools
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion, Moving, minimum_separation, when
 from navigation.kernels.odometer import Odometer
 from navigation.kernels.pieces import walked_and_stood

@@ -6,13 +6,13 @@ import itertools
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 import shapely
 
 from floorplan import Point, UserError
+from floorplan.files.dataclass import dataclass
 from navigation import minimum_margin
 
 from ..core.recorder import Event, rounded

@@ -3,7 +3,7 @@
 import csv
 import io
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TextIO
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from floorplan import Floorplan, UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion
 from navigation.separation import is_of_speeds
 

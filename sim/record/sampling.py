@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from floorplan import Floorplan, UserError, Zone
+from floorplan.files.dataclass import dataclass
 from navigation import Motion
 
 from ..core.recorder import Event

@@ -10,7 +10,7 @@ import json
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -21,6 +21,7 @@ from shapely.geometry import Polygon, mapping, shape
 
 from floorplan import Floorplan, Obstacle, UserError
 from floorplan.checks import polygon_fault
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import LARGEST
 from floorplan.files.forms import BY_FIELDS
 from floorplan.files.problems import field_name

@@ -15,13 +15,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import LARGEST
 from floorplan.files.problems import suggestion
 from navigation import Motion, Piece

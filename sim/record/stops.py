@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
+
+from floorplan.files.dataclass import dataclass
 
 from ..core.body import MachineShape
 from ..core.recorder import Event

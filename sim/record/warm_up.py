@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
+
+from floorplan.files.dataclass import dataclass
 
 from .outcome import Outcome
 from .sampling import Span, Stay, zone_exposures

@@ -1,4 +1,4 @@
-"""Services of simulation_interfaces: state, steps and entities of the simulation."""
+"""Services of simulation_interfaces that control time: state, steps and reset."""
 
 from __future__ import annotations
 
@@ -8,106 +8,140 @@ from typing import Any
 
 from rclpy.action import CancelResponse
 
-from ..cell import Cell, Pace
-from .messages import set_header, set_pose
+from ..cell import Pace
+from ..competition import Values
+from ..competition.transport import Answer
+from .messages import filled
 from .node import CellNode
+
+FEATURES = {
+    **{"named poses": 2, "tags": 4, "bounds": 5, "boxes": 6, "convex hulls": 7, "categories": 8},
+    **{"states of entities": 10, "information about entities": 12, "information about worlds": 43},
+    **{"reading the state": 24, "setting the state": 25, "pausing": 26},
+    **{"one step": 31, "several steps": 32, "action of steps": 33},
+}
+"""Numbers in SimulatorFeatures of what each trial supports."""
+
+RESET = 20
+"""Number of the feature SIMULATION_RESET."""
+
+STOPPED, PLAYING, PAUSED, QUITTING = range(4)
+"""States of SimulationState."""
+
+UNSUPPORTED, OK, NOT_FOUND, _, FAILED = range(5)
+"""Results of all services."""
+
+ALREADY, IMPOSSIBLE = 101, 102
+"""Results of SetSimulationState: nothing to change, and a change that failed."""
+
+TIME_AND_STATE = 3
+"""Scope of a reset."""
+
+NO_STEP = "the simulation is not paused, or is over"
 
 
 class Control:
-    """Provider of the services of simulation_interfaces that apply to a trial.
+    """Provider of the services that control time.
 
     `step()` advances by one step. It returns False if time is not stepped, or the run is over.
+    `reset()` begins the run again. It is None if that is not possible.
     """
 
-    def __init__(self, ros: CellNode, cell: Cell, pace: Pace, step: Callable[[], bool]) -> None:
-        self._cell = cell
+    def __init__(
+        self, ros: CellNode, pace: Pace, step: Callable[[], bool], reset: Callable[[], None] | None
+    ) -> None:
+        self._ros = ros
         self._pace = pace
         self._step = step
-        self._result = ros.find("simulation_interfaces/msg/Result", "simulation_interfaces")
-        if self._result is None:
-            return
-        self._state = ros.find("simulation_interfaces/msg/SimulationState", "simulation_state")
-        for name, answer in (
-            ("GetSimulatorFeatures", self._get_features),
-            ("GetSimulationState", self._get_simulation_state),
-            ("SetSimulationState", self._set_simulation_state),
-            ("StepSimulation", self._step_simulation),
-            ("GetEntities", self._get_entities),
-            ("GetEntityState", self._get_entity_state),
-        ):
-            service = re.sub("(?<=[a-z])(?=[A-Z])", "_", name).lower()
-            ros.provide(service, f"simulation_interfaces/srv/{name}", answer)
+        self._reset = reset
+        self._is_stopped = False
+        features = [*FEATURES.values(), *([RESET] if reset else [])]
+        provide_all(
+            ros,
+            GetSimulatorFeatures=lambda _, __: {"features": {"features": features}},
+            GetSimulationState=lambda _, __: done(state={"state": self._state}),
+            SetSimulationState=self._set_state,
+            StepSimulation=self._step_simulation,
+            ResetSimulation=self._reset_simulation,
+        )
         self._steps = ros.provide_action(
             "simulate_steps",
-            "simulation_interfaces/action/SimulateSteps",
+            "simulation_interfaces/SimulateSteps",
             execute_callback=self._simulate_steps,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
-    def _get_features(self, _: Any, response: Any) -> Any:
-        have = response.features
-        have.features = [
-            *(have.ENTITY_STATE_GETTING, have.SIMULATION_STATE_GETTING),
-            have.SIMULATION_STATE_SETTING,
-            *(have.SIMULATION_STATE_PAUSE, have.STEP_SIMULATION_SINGLE),
-            *(have.STEP_SIMULATION_MULTIPLE, have.STEP_SIMULATION_ACTION),
-        ]
-        return response
+    @property
+    def _state(self) -> int:
+        if self._pace.speed and not self._pace.paused:
+            return PLAYING
+        return STOPPED if self._is_stopped else PAUSED
 
-    def _get_simulation_state(self, _: Any, response: Any) -> Any:
-        paused, playing = self._state.STATE_PAUSED, self._state.STATE_PLAYING
-        response.state.state = playing if self._pace.speed and not self._pace.paused else paused
-        return self._done(response)
+    def _set_state(self, _: Any, request: Values) -> Values:
+        state, pace = request["state"]["state"], self._pace
+        if state == self._state:
+            return failed("it is in this state", ALREADY)
+        if state == PLAYING and not pace.speed:
+            return failed("with --step, time does not play", IMPOSSIBLE)
+        if state not in (STOPPED, PLAYING, PAUSED, QUITTING) or (
+            state == STOPPED and self._reset is None
+        ):
+            return failed("a trial has no such state", UNSUPPORTED)
+        if state == QUITTING:
+            pace.end()
+        if state == STOPPED and self._reset is not None:
+            self._reset()
+        if pace.speed:
+            pace.change(paused=state != PLAYING)
+        self._is_stopped = state == STOPPED
+        return done()
 
-    def _set_simulation_state(self, request: Any, response: Any) -> Any:
-        requested, state = request.state.state, self._state
-        if requested not in (state.STATE_PLAYING, state.STATE_PAUSED) or not self._pace.speed:
-            return self._failed(response, "a trial plays or pauses, and with --step it is paused")
-        self._pace.change(paused=requested == state.STATE_PAUSED)
-        return self._done(response)
+    def _step_simulation(self, _: Any, request: Values) -> Values:
+        made = all(self._one_step() for _ in range(request["steps"]))
+        return done() if made else failed(NO_STEP)
 
-    def _step_simulation(self, request: Any, response: Any) -> Any:
-        made = all(self._step() for _ in range(request.steps))
-        return self._done(response) if made else self._failed(response, NO_STEP)
+    def _one_step(self) -> bool:
+        self._is_stopped = False
+        return self._step()
 
     async def _simulate_steps(self, handle: Any) -> Any:
-        result, feedback = self._steps.Result(), self._steps.Feedback()
-        for left in reversed(range(handle.request.steps)):
+        feedback, steps, end = self._steps.Feedback(), handle.request.steps, handle.succeed
+        result = done()
+        while feedback.completed_steps < steps:
+            await self._ros.next_turn()  # in which the action may be cancelled
             if handle.is_cancel_requested:
-                handle.canceled()
-                return self._done(result)
-            if not self._step():
-                handle.abort()
-                return self._failed(result, NO_STEP)
+                end = handle.canceled
+                break
+            if not self._one_step():
+                result, end = failed(NO_STEP), handle.abort
+                break
             feedback.completed_steps += 1
-            feedback.remaining_steps = left
+            feedback.remaining_steps = steps - feedback.completed_steps
             handle.publish_feedback(feedback)
-        handle.succeed()
-        return self._done(result)
+        end()
+        return filled(self._steps.Result(), result)
 
-    def _get_entities(self, request: Any, response: Any) -> Any:
-        names = self._cell.simulation.scene.starts
-        response.entities = [name for name in names if re.search(request.filters.filter, name)]
-        return self._done(response)
-
-    def _get_entity_state(self, request: Any, response: Any) -> Any:
-        signals, name = self._cell.signals, request.entity
-        signal = signals.get(f"people/{name}/pose") or signals.get(f"machines/{name}/pose")
-        pose = signal.read() if signal is not None else None
-        if pose is None:
-            return self._failed(response, f"there is no entity {name!r} now")
-        set_header(response.state.header, self._cell.now)
-        set_pose(response.state.pose, pose)
-        return self._done(response)
-
-    def _done(self, response: Any) -> Any:
-        response.result.result = self._result.RESULT_OK
-        return response
-
-    def _failed(self, response: Any, why: str) -> Any:
-        response.result.result = self._result.RESULT_OPERATION_FAILED
-        response.result.error_message = why
-        return response
+    def _reset_simulation(self, _: Any, request: Values) -> Values:
+        if self._reset is None:
+            return failed("sim.ros2.serve has no `restart`", UNSUPPORTED)
+        if request["scope"] and request["scope"] & TIME_AND_STATE != TIME_AND_STATE:
+            return failed("time and state are reset together", UNSUPPORTED)
+        self._reset()
+        return done()
 
 
-NO_STEP = "the simulation is not paused, or is over"
+def provide_all(ros: CellNode, **services: Answer) -> None:
+    """Provide services by the names of their types: SetSimulationState is set_simulation_state."""
+    for name, answer in services.items():
+        service = re.sub("(?<=[a-z])(?=[A-Z])", "_", name).lower()
+        ros.provide(service, f"simulation_interfaces/{name}", answer)
+
+
+def done(**values: Any) -> Values:
+    """Return a response with success."""
+    return {"result": {"result": OK}, **values}
+
+
+def failed(why: str, result: int = FAILED) -> Values:
+    """Return a response with a failure and its reason."""
+    return {"result": {"result": result, "error_message": why}}

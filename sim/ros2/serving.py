@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from functools import partial
 from io import StringIO
+from typing import Any
 
 import rclpy
 from rclpy.exceptions import NameValidationException
@@ -18,14 +19,18 @@ from floorplan import UserError
 
 from ..cell import Cell, Pace
 from ..cell.names import plain, prefix_of
-from ..machines.gantry.robot import GantryRobot
+from ..cell.signals import POSES
+from ..competition import CompetitionTopics, Values, add_gantry
+from ..competition.topics import ENDED, STARTED
 from ..simulation import Simulation
+from .actions import Action
 from .control import Control
-from .frames import Frames, publish_map
-from .machines import GantryJoints, VehicleTopics
-from .monitoring import Markers, Monitoring
+from .entities import Entities
+from .frames import add_frames, publish_map
+from .machines import VehicleTopics, gantry_action
+from .monitoring import DIAGNOSTICS, add_markers, add_monitoring
 from .navigation import navigation_of
-from .node import CellNode
+from .node import USUAL_RATE, CellNode
 from .people import People
 
 try:
@@ -34,21 +39,11 @@ try:
 except ImportError:
     from rclpy.executors import SingleThreadedExecutor as Executor
 
-RATE = 50
-"""Hz, in simulated time: the rate of clock, odometry and transforms."""
-
-SLOWLY = 10
-"""Hz: the rate of scans, people, joints, markers and feedback."""
-
 LONGEST_WAIT = 0.1
 """Seconds. How soon the server sees that it was stopped."""
 
 LAST_WAIT = 0.5
 """Seconds at the end of the run in which the results of goals are sent."""
-
-DIAGNOSTICS = 1
-"""Hz: the rate of diagnostics."""
-
 
 LAST_DOMAIN = 232
 """Highest domain of which DDS can calculate the ports. It ends the process for higher ones."""
@@ -66,6 +61,7 @@ def serve(
     speed: float = 1.0,
     step: bool = False,
     notice: Callable[[str], None] = lambda _: None,
+    restart: Callable[[], Simulation] | None = None,
 ) -> None:
     """Serve a simulation to ROS 2 until its trial is over.
 
@@ -84,6 +80,9 @@ def serve(
         Advance only by the services of simulation_interfaces.
     notice : callable, optional
         Function that gets lines for the user.
+    restart : callable, optional
+        Function that finishes the simulation, and returns another one of the same trial, which
+        is served from then on. Services that reset the simulation need it.
 
     Raises
     ------
@@ -92,6 +91,7 @@ def serve(
     """
     if domain is not None and not 0 <= domain <= LAST_DOMAIN:
         raise RosError(f"domain must be from 0 to {LAST_DOMAIN}, not {domain}")
+    pace = Pace(simulation, speed=speed, step=step)
     context, signals = rclpy.Context(), SignalHandlerOptions.NO
     try:
         validate_namespace(f"/{namespace.lstrip('/')}")
@@ -100,7 +100,7 @@ def serve(
     except (RuntimeError, ValueError, NameValidationException) as why:
         raise RosError(f"ROS cannot start the node: {' '.join(str(why).split())}") from why
     try:
-        _RosServer(node, simulation, speed, step, notice).run()
+        _RosServer(node, simulation, pace, notice, restart).run()
     finally:
         rclpy.shutdown(context=context)
 
@@ -112,56 +112,50 @@ class _RosServer:
         self,
         node: Node,
         simulation: Simulation,
-        speed: float,
-        step: bool,
+        pace: Pace,
         notice: Callable[[str], None],
+        restart: Callable[[], Simulation] | None,
     ) -> None:
-        self._pace = Pace(simulation, speed=speed, step=step)
-        self._cell = cell = Cell(simulation, self._pace)
-        ros = self._ros = CellNode(node, notice)
-        vehicles = [
-            name
-            for name, machine in simulation.machines.items()
-            if machine.shape.category == "vehicle"
-        ]
+        self._restart = restart
+        self._pace = pace
+        self._cell = cell = Cell(simulation, pace)
+        self._ros = ros = CellNode(node, notice)
+        machines = simulation.machines.values()
+        vehicles = [one.name for one in machines if one.shape.category == "vehicle"]
         self._vehicles = [
             VehicleTopics(ros, cell, name, prefix_of(simulation, name)) for name in vehicles
         ]
-        frames, monitoring = Frames(ros, cell, self._vehicles), Monitoring(ros, cell)
-        self._state = [
-            frames.publish_clock,
-            frames.publish_vehicles,
-            *(vehicle.publish_odometry for vehicle in self._vehicles),
-        ]
-        gantries = [
-            GantryJoints(ros, cell, machine)
-            for machine in simulation.machines.values()
-            if isinstance(machine, GantryRobot)
-        ]
-        actions = self._actions = [action for gantry in gantries for action in gantry.actions]
+        add_frames(ros, cell, self._vehicles)
+        add_monitoring(ros, cell)
+        add_markers(ros, cell)
+        self._actions: list[Action] = []
+        self._enter: Callable[[int], None] = lambda phase: None
+        if simulation.gantry is not None:
+            self._enter = CompetitionTopics(cell, ros).enter
+            ros.provide("/ariac/start_competition", "std_srvs/Trigger", self._answer_start)
+            ros.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
+            add_gantry(cell, ros, root="")
+            self._actions.append(gantry_action(ros, cell, simulation.gantry.name))
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name in vehicles]
         for body in bodies:
-            actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
-        slowly = [
-            frames.publish_bodies,
-            People(ros, cell, self._advance_by).publish,
-            Markers(ros, cell).publish,
-            *(vehicle.publish_scan for vehicle in self._vehicles),
-            *(each.publish for each in gantries),
-            *(each.publish for each in actions),
-        ]
-        Control(ros, cell, self._pace, partial(self._advance_by, 1 / RATE))
+            self._actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
+        reset = self._reset if restart is not None else None
+        People(ros, cell, self._advance_by, reset)
+        Control(ros, pace, partial(self._advance_by, 1 / POSES), reset)
+        Entities(ros, cell)
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
         self._executor = Executor(context=node.context)
         with redirect_stdout(StringIO()):  # rclpy prints that many actions may be inefficient
             self._executor.add_node(node)
             self._executor.spin_once(timeout_sec=0.0)
-        _publish(self._state)
-        self._pace.every(1 / RATE, partial(_publish, self._state))
-        self._pace.every(1 / SLOWLY, partial(_publish, slowly))
-        self._pace.every(1 / DIAGNOSTICS, monitoring.publish_diagnostics)
+        self._enter(STARTED)
+        for event in simulation.events:
+            cell.signals["events"].send(event)
+        for rate in (POSES, USUAL_RATE, DIAGNOSTICS):
+            pace.every(1 / rate, partial(ros.publish_state, rate))
+        pace.every(1 / USUAL_RATE, self._publish_feedback)
         domain = node.context.get_domain_id()
         notice(f"serving {node.get_fully_qualified_name()} in domain {domain}")
 
@@ -170,22 +164,51 @@ class _RosServer:
         pace, look_at = self._pace, 0.0
         while not pace.over:
             delay = pace.delay() if self._runs else LONGEST_WAIT
-            self._executor.spin_once(timeout_sec=min(max(delay, 0.0), LONGEST_WAIT))
+            is_due = self._ros.end_turn()
+            wait = 0.0 if is_due else min(max(delay, 0.0), LONGEST_WAIT)
+            self._executor.spin_once(timeout_sec=wait)
             pace.catch_up(LONGEST_WAIT * pace.speed)
             if time.monotonic() > look_at:
                 look_at = time.monotonic() + LONGEST_WAIT
-                for vehicle in self._vehicles:
-                    vehicle.listen()
+                self._look()
             if self._runs and pace.give_up():
                 self._ros.warn("speed", f"this machine is too slow for --speed {pace.speed:g}")
         self._cell.update()
-        _publish(self._state)
+        self._ros.publish_state(POSES)
+        self._enter(ENDED)
         last = time.monotonic()
         if any(action.is_busy for action in self._actions):
             last += LAST_WAIT
         while time.monotonic() < last:
             self._executor.spin_once(timeout_sec=LONGEST_WAIT)
         pace.check()
+
+    def _answer_start(self, _: Any, __: Values) -> Values:
+        return {"success": True, "message": "it has been started already"}
+
+    def _end(self, _: Any, __: Values) -> Values:
+        self._pace.end()
+        return {"success": True, "message": f"ended at t = {self._cell.now:g} s"}
+
+    def _publish_feedback(self) -> None:
+        for action in self._actions:
+            action.publish()
+
+    def _look(self) -> None:
+        """React to publishers that have come or gone."""
+        for vehicle in self._vehicles:
+            vehicle.listen()
+        if self._ros.node.count_publishers("/clock") > 1:
+            self._ros.warn("/clock", "several publishers, because another simulator runs")
+
+    def _reset(self) -> None:
+        """Begin the run again, with another simulation."""
+        assert self._restart is not None
+        at = self._cell.now
+        self._enter(STARTED)
+        self._cell.continue_with(self._restart())
+        self._ros.notice(f"reset at t = {at:g} s: the clock starts again")
+        self._ros.publish_state(POSES)
 
     @property
     def _runs(self) -> bool:
@@ -198,8 +221,3 @@ class _RosServer:
             return False
         self._pace.step(seconds)
         return True
-
-
-def _publish(publishers: Iterable[Callable[[], None]]) -> None:
-    for publish in publishers:
-        publish()

@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, TextIO
@@ -20,6 +19,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from typing_extensions import NotRequired, TypedDict, override
 
 from floorplan import InputError, Problem, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import LARGEST
 from floorplan.files.reading import LARGEST_RECORDED, read_lines, read_text
 from navigation import Motion, Piece, join, standing, when

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import html
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
+
+from floorplan.files.dataclass import dataclass
 
 from ..record.notebook import html_table
 from ..record.outcome import Outcome

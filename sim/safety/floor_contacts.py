@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from itertools import pairwise
 
@@ -16,6 +15,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from floorplan import Floorplan, Obstacle
+from floorplan.files.dataclass import dataclass
 from navigation import Motion, standing
 from navigation.contacts import Extent, Outlines, bounds_from, shrunk
 from navigation.kernels.edges import come_into

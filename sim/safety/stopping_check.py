@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from floorplan import Point
+from floorplan.files.dataclass import dataclass
 from navigation import Motion, Shapes
 from navigation.kernels.braking import Stops
 from navigation.monitor import StoppingHorizon

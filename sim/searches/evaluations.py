@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
+
+from floorplan.files.dataclass import dataclass
 
 from ..runs.run import Run
 from ..studies.running import figures_of

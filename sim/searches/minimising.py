@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, TypeVar
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 
 from ..core.entries import is_number
 from ..core.scenario import Job, PersonEntry, Scenario

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, replace
 from typing import Any
 
 from floorplan import InputError, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import suggestion
 
 from ..core.custom_code import is_ours

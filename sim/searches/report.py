@@ -5,11 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from floorplan.files.dataclass import dataclass
 
 from ..core.wording import counted, figure, minus, percent
 from ..views.report_page import (
@@ -136,13 +137,10 @@ def coverage_chart(results: SearchResults, pairs: list[CoveredPair]) -> str | No
 
     def draw(drawn: Figure) -> None:
         side = len(names) - 1
-        panels = drawn.subplots(side, max(side, FEWEST_COLUMNS), squeeze=False)
-        for axes in panels.flat:
-            axes.set_axis_off()
+        grid = drawn.add_gridspec(side, max(side, FEWEST_COLUMNS))
         for pair in pairs:
             column, row = names.index(pair.one.name), names.index(pair.other.name) - 1
-            axes = panels[row][column]
-            axes.set_axis_on()
+            axes = drawn.add_subplot(grid[row, column])
             axes.imshow(
                 np.log1p(pair.counts.T), origin="lower", aspect="auto", cmap="Greys", vmin=0.0
             )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import brief
 
 from ..studies.design import Study

@@ -6,12 +6,13 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from floorplan import UserError
 from floorplan.files.collector import frozen_collector
+from floorplan.files.dataclass import dataclass
 from floorplan.files.values import require
 
 from ..core.custom_code import CodeFolder

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 
 from ..core.entries import is_number
 from ..studies.design import (

@@ -6,13 +6,14 @@ import itertools
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import brief
 
 from ..core.wording import figure as in_words

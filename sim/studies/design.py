@@ -8,7 +8,7 @@ import json
 import math
 import random
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import KW_ONLY, field, replace
 from functools import cached_property
 from pathlib import Path
 from statistics import NormalDist
@@ -17,8 +17,10 @@ from typing import Annotated, Any, Protocol
 from pydantic import Field, model_validator
 
 from floorplan import InputError, Problem, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.documents import Document, parse_yaml, read_yaml
-from floorplan.files.fields import Flag, Number, Pair, Positive, Strictly, whole
+from floorplan.files.fields import Flag, Number, Pair, Positive, whole
+from floorplan.files.models import Strictly
 from floorplan.files.problems import field_name, suggestion
 from floorplan.files.reading import is_there
 

@@ -9,7 +9,8 @@ from typing import Annotated
 import numpy as np
 
 from floorplan import UserError
-from floorplan.files.fields import Positive, Strictly, whole
+from floorplan.files.fields import Positive, whole
+from floorplan.files.models import Strictly
 from floorplan.files.problems import suggestion
 
 FEWEST = 10

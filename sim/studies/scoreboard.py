@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 
 from ..core.wording import figure
 from ..machines.gantry.controllers import CONTROLLERS, controller_source

@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from typing import Any
 from pydantic import PydanticSchemaGenerationError, TypeAdapter, ValidationError
 
 from floorplan import UserError, check
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import misfits, shown, suggestion
 from floorplan.files.reading import is_file
 from floorplan.files.values import require_fields

@@ -5,7 +5,7 @@ from __future__ import annotations
 import fnmatch
 import itertools
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import pytest
 
 import bdi
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 
 from ..core.custom_code import CodeFolder
 from ..core.rules import RULE_SETS, RuleSet

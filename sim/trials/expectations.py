@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Container, Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import SequenceMatcher
 from typing import Any
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import Place, suggestion
 
 from ..core.entries import is_number
@@ -23,7 +23,6 @@ from ..record.figures import FIGURES, PEOPLE, SummaryFigure
 from ..record.outcome import Outcome
 from . import names, slack
 from .names import machines, orders, people, zones
-from .paths import value_at
 from .slack import NOTHING
 from .timeline import NumberCondition, Verdict, in_words, read_statement
 
@@ -38,10 +37,12 @@ class SummaryField:
 
     def value(self, run: Outcome) -> Any:
         """Return its value in `run`, or None if the run has no such figure."""
-        figures = {"metrics": run.metrics} if self.path[0] == "metrics" else run.summary
-        with suppress(UserError):
-            return value_at(figures, ".".join(self.path))
-        return None
+        value: Any = {"metrics": run.metrics} if self.path[0] == "metrics" else run.summary
+        for key in self.path:
+            if not isinstance(value, Mapping) or key not in value:
+                return None
+            value = value[key]
+        return value
 
     def instants(self, run: Outcome) -> list[float]:
         """Return the times (s) of the events that it counts."""

@@ -1,6 +1,6 @@
 """Keys of a trial file."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -15,9 +15,11 @@ from pydantic_core import PydanticCustomError
 from typing_extensions import Self
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.documents import read_yaml
-from floorplan.files.fields import Flag, Number, Strictly, whole
+from floorplan.files.fields import Flag, Number, whole
 from floorplan.files.forms import Written, called, fields_of
+from floorplan.files.models import Strictly
 
 from ..core.entries import Command
 from ..core.rules import PAPER

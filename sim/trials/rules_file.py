@@ -16,7 +16,8 @@ from pydantic import create_model, model_validator
 
 from floorplan import InputError, Problem, UserError
 from floorplan.files.documents import Document, read_yaml
-from floorplan.files.fields import LARGEST, Expected, NotNegative, Positive, Strictly
+from floorplan.files.fields import LARGEST, Expected, NotNegative, Positive
+from floorplan.files.models import Strictly
 from floorplan.files.problems import suggestion
 from floorplan.files.reading import is_file
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw

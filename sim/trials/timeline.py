@@ -11,11 +11,12 @@ import math
 import operator
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from decimal import Decimal
 from typing import Any, Literal, Protocol
 
 from floorplan import UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import is_figure
 from floorplan.files.problems import suggestion
 from navigation import (

@@ -6,7 +6,6 @@ import math
 import os
 import platform
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 import shapely
 
 from floorplan import Floorplan, Point
+from floorplan.files.dataclass import dataclass
 from navigation.benchmark import (
     PEERS,
     SHORTFALL,

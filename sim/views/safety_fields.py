@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from shapely.geometry import Polygon
 
+from floorplan.files.dataclass import dataclass
 from navigation import FieldSet, ShortField, VehicleLimits, short_fields
 from navigation.machines import AxisLimits
 

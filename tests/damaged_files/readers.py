@@ -8,6 +8,7 @@ import asyncio
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 from zlib import crc32
 
 import h5py
@@ -18,10 +19,11 @@ import floorplan
 import sim
 from bdi.language.loading import parse_term
 from navigation.benchmark import map_of, read_questions
-from sim.bridge import Exchange, RosbridgeConnection, Workcell
+from sim.bridge import Exchange, Workcell
 from sim.bridge.client import Client
 from sim.bridge.protocol import Account, Ledger
 from sim.bridge.remote_agent import RemotePerson
+from sim.bridge.uplink import ServerLink
 from sim.commands.agent import read_percepts
 from sim.core.clock import StandstillError
 from sim.people.tracks.tables import read_hdf5_tracks, read_jupedsim_tracks, read_parquet_tracks
@@ -170,7 +172,8 @@ def to_agent(path):
 
     async def take():
         trial = sim.Trial.parse(SERVED)
-        connection = RosbridgeConnection("ws://nowhere")
+        exchange = Exchange()
+        link = ServerLink(SimpleNamespace(send=None), exchange, lambda level, text, id: None)
         RemotePerson(
             trial,
             trial.people[0],
@@ -179,10 +182,10 @@ def to_agent(path):
             now=lambda: 0.0,
             perceived=lambda: None,
             notice=lambda text: None,
-        ).connect(connection, ())
-        call = connection._calls["call-1"] = asyncio.get_running_loop().create_future()
+        ).connect(exchange, ())
+        call = link._answers["call-1"] = asyncio.get_running_loop().create_future()
         for line in path.read_bytes().split(b"\n"):
-            connection._take(line)
+            link.take(line)
         if call.done():
             call.exception()
 

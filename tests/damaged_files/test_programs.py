@@ -85,7 +85,7 @@ def test_a_clause_of_moderate_depth_is_read_run_and_written(text):
     bdi.Agent(program, act=lambda term: True).advance(1.0)
 
 
-@pytest.mark.parametrize("count", [5000, pytest.param(30_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [1000, pytest.param(30_000, marks=pytest.mark.slow)])
 def test_very_many_facts_are_believed(count):
     text = "".join(f"at(robot{k}, {k}.5, -{k}).\n" for k in range(count))
     agent = bdi.Agent(bdi.parse(text))

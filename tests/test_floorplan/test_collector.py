@@ -9,8 +9,9 @@ from floorplan.files.collector import frozen_collector
 
 
 @pytest.fixture(autouse=True)
-def unfrozen():
+def unfrozen(monkeypatch):
     """Release the objects that the test suite has frozen, and freeze them again afterwards."""
+    monkeypatch.setattr("floorplan.files.collector._is_frozen", False)
     gc.unfreeze()
     yield
     gc.freeze()

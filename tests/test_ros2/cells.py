@@ -27,6 +27,27 @@ people: [{name: ann, at: [-5, 4], personality: external}]
 """
 
 
+COMPETITION = """
+time_limit: 600
+kitting_trays: {tray_ids: [2], slots: [3]}
+parts:
+  bins:
+    bin6: [{type: pump, color: red, slots: [1]}]
+challenges:
+  - human: {behavior: helpful, time_condition: 500}
+orders:
+  - id: KIT
+    type: kitting
+    announcement: {time_condition: 0}
+    priority: false
+    kitting_task:
+      agv_number: 4
+      tray_id: 2
+      destination: warehouse
+      products: [{type: pump, color: red, quadrant: 1}]
+"""
+
+
 def hall(duration=600.0):
     """A hall with a rack, a person and a vehicle, which only a client moves."""
     return HALL % duration

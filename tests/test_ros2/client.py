@@ -128,6 +128,17 @@ def go_through(name, poses, cancel_after=None):
     answer["places"] = [
         [one.current_pose.pose.position.x, one.current_pose.pose.position.y] for one in feedback
     ]
+    answer["states"] = [[s.waypoint_status for s in one.waypoint_statuses] for one in feedback]
+    return answer
+
+
+def follow_waypoints(name, poses):
+    """Send somebody to waypoints: the outcome, and the feedback about the current one."""
+    from nav2_msgs.action import FollowWaypoints
+
+    goal = FollowWaypoints.Goal(poses=[_pose(*pose) for pose in poses])
+    answer, feedback = _carried_out(FollowWaypoints, f"/{name}/follow_waypoints", goal, None)
+    answer["current"] = [one.current_waypoint for one in feedback]
     return answer
 
 
@@ -172,8 +183,13 @@ def _carried_out(type_, name, goal, cancel_after):
         GoalStatus.STATUS_CANCELED: "cancelled",
         GoalStatus.STATUS_ABORTED: "aborted",
     }[answer.status]
-    error = [answer.result.error_code, answer.result.error_msg]
-    return {"accepted": True, "status": status, "error": error}, feedback
+    error, waypoints = [answer.result.error_code, answer.result.error_msg], []
+    for field in ("waypoint_statuses", "missed_waypoints"):
+        for one in getattr(answer.result, field, ()):
+            at = one.waypoint_pose.pose.position
+            waypoints.append([one.waypoint_index, one.waypoint_status, [at.x, at.y]])
+    outcome = {"accepted": True, "status": status, "error": error, "waypoints": waypoints}
+    return outcome, feedback
 
 
 def step(count, times):
@@ -188,6 +204,200 @@ def step(count, times):
         answer = client.wait(stepper.call_async(StepSimulation.Request(steps=count)))
         results.append(answer.result.result)
     return results
+
+
+def read_simulation(radius):
+    """What simulation_interfaces answer about a hall with a person and a vehicle."""
+    from geometry_msgs.msg import Vector3
+    from simulation_interfaces import srv
+    from simulation_interfaces.msg import Bounds, EntityCategory, EntityFilters, TagsFilter
+
+    client = Client()
+
+    def call(name, **fields):
+        service = "".join(f"_{c.lower()}" if c.isupper() else c for c in name)[1:]
+        return client.call(getattr(srv, name), f"/{service}", **fields)
+
+    def entities(**filters):
+        answer = call("GetEntities", filters=EntityFilters(**filters))
+        return [answer.result.result, *answer.entities]
+
+    sphere = Bounds(type=Bounds.TYPE_SPHERE, points=[Vector3(x=6.0, y=4.0), Vector3(x=radius)])
+    box = Bounds(type=Bounds.TYPE_BOX, points=[Vector3(x=5.0, y=8.0, z=2.0), Vector3(y=6.0)])
+    robots = [EntityCategory(category=EntityCategory.CATEGORY_ROBOT)]
+    states = call("GetEntitiesStates", filters=EntityFilters(filter="ann"))
+    info, bounds = (call(name, entity="bot") for name in ("GetEntityInfo", "GetEntityBounds"))
+    poses = call("GetNamedPoses", tags=TagsFilter(tags=["station"]))
+    features = call("GetSimulatorFeatures").features
+    return {
+        "all": entities(),
+        "named": entities(filter="^b"),
+        "bad": entities(filter="("),
+        "robots": entities(categories=robots),
+        "people": entities(tags=TagsFilter(tags=["person", "amr"], filter_mode=0)),
+        "both": entities(tags=TagsFilter(tags=["person", "amr"], filter_mode=1)),
+        "near": entities(bounds=sphere),
+        "west": entities(bounds=box),
+        "unknown": entities(bounds=Bounds(type=77)),
+        "states": [[*states.entities], [states.states[0].pose.position.x, len(states.states)]],
+        "missing": [
+            call(name, entity="eve").result.result
+            for name in ("GetEntityState", "GetEntityInfo", "GetEntityBounds")
+        ],
+        "info": [info.info.category.category, *info.info.tags],
+        "bounds": [[point.x, point.y, point.z] for point in bounds.bounds.points],
+        "poses": [[one.name, one.pose.position.x, one.pose.position.y] for one in poses.poses],
+        "world": call("GetCurrentWorld").world.name,
+        "reset": features.SIMULATION_RESET in features.features,
+    }
+
+
+def reset(service):
+    """Send a vehicle, reset, and send it again: goals, the clock and the pose around the reset."""
+    from hunav_msgs.srv import ResetAgents
+    from nav2_msgs.action import NavigateToPose
+    from rosgraph_msgs.msg import Clock
+    from simulation_interfaces.srv import ResetSimulation
+
+    client = Client()
+    client.listen("/clock", Clock)
+    client.listen("/odom", Odometry)
+    action = ActionClient(client.node, NavigateToPose, "/bot/navigate_to_pose")
+    client.until(action.server_is_ready)
+
+    def send(x, y):
+        return client.wait(action.send_goal_async(NavigateToPose.Goal(pose=_pose(x, y))))
+
+    def state():
+        client.last.clear()
+        client.until(lambda: {"/clock", "/odom"} <= client.last.keys())
+        stamp, at = client.last["/clock"].clock, client.last["/odom"].pose.pose.position
+        return [stamp.sec + stamp.nanosec / 1e9, math.hypot(at.x, at.y)]
+
+    first = send(4.0, 10.0)
+    client.until(lambda: state()[1] > 1.0)
+    partly = None
+    before = state()
+    if service == "reset_simulation":
+        partly = client.call(ResetSimulation, "/reset_simulation", scope=1).result.result
+        done = client.call(ResetSimulation, "/reset_simulation").result.result == 1
+    else:
+        done = client.call(ResetAgents, "/reset_agents").ok
+    after = state()
+    result = client.wait(first.get_result_async())
+    again = client.wait(send(3.0, 8.0).get_result_async())
+    return {
+        **{"partly": partly, "done": done, "before": before, "after": after},
+        **{"first": result.status, "error": result.result.error_msg, "again": again.status},
+    }
+
+
+def change_states():
+    """Pause, stop, step, play and quit: the results and states."""
+    from simulation_interfaces.action import SimulateSteps
+    from simulation_interfaces.msg import SimulationState
+    from simulation_interfaces.srv import GetSimulationState, SetSimulationState, StepSimulation
+
+    client, seen = Client(), []
+
+    def change(state):
+        request = SimulationState(state=state)
+        answer = client.call(SetSimulationState, "/set_simulation_state", state=request)
+        if state != SimulationState.STATE_QUITTING:
+            present = client.call(GetSimulationState, "/get_simulation_state").state.state
+            seen.append([answer.result.result, present])
+
+    for state in (2, 2, 0, 1, 9, 2):
+        change(state)
+    steps = client.call(StepSimulation, "/step_simulation", steps=3).result.result
+    action = ActionClient(client.node, SimulateSteps, "/simulate_steps")
+    client.until(action.server_is_ready)
+    made = []
+    goal = SimulateSteps.Goal(steps=2**40)
+    handle = client.wait(
+        action.send_goal_async(goal, feedback_callback=lambda m: made.append(m.feedback))
+    )
+    client.until(lambda: len(made) > 3)
+    client.wait(handle.cancel_goal_async())
+    cancelled = client.wait(handle.get_result_async()).status
+    change(3)
+    return {"seen": seen, "steps": steps, "cancelled": cancelled}
+
+
+def compete():
+    """Drive a person and an AGV by the topics of the competition, and see what they publish."""
+    from ariac_msgs.msg import AGVStatus, CompetitionState, HumanState, Order, Robots
+    from ariac_msgs.srv import MoveAGV
+    from geometry_msgs.msg import Point
+    from std_msgs.msg import Bool
+    from std_srvs.srv import Trigger
+
+    client = Client()
+    reached, orders = [], []
+    client.node.create_subscription(
+        Bool, "/ariac_human/position_reached", lambda m: reached.append(m.data), 10
+    )
+    orders_qos = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    client.node.create_subscription(Order, "/ariac/orders", orders.append, orders_qos)
+    start = client.node.create_publisher(Bool, "/ariac/start_human", 10)
+    goal = client.node.create_publisher(Point, "/ariac_human/goal_position", 10)
+    phase = client.heard("/ariac/competition_state", CompetitionState, LATCHED)
+    health = client.heard("/ariac/robot_health", Robots)
+    client.listen("/ariac_human/state", HumanState)
+    client.listen("/ariac/agv1_status", AGVStatus)
+    client.until(lambda: client.node.count_subscribers("/ariac_human/goal_position"))
+    start.publish(Bool(data=True))
+    goal.publish(Point(x=math.nan))
+
+    def arrived():
+        if not reached:
+            goal.publish(Point(x=-6.0, y=3.0))
+        return reached
+
+    client.until(arrived)
+    at = client.last["/ariac_human/state"].human_position
+    moved = [client.call(MoveAGV, "/ariac/move_agv1", location=k) for k in (77, 3)]
+    client.until(lambda: client.last["/ariac/agv1_status"].location == 3)
+    penalty = client.call(Trigger, "/ariac/set_human_safe_zone_penalty")
+    ended = client.call(Trigger, "/ariac/end_competition")
+    return {
+        "phase": phase.competition_state,
+        "health": [health.floor_robot, health.ceiling_robot],
+        "at": [at.x, at.y],
+        "moved": [answer.success for answer in moved],
+        "done": penalty.success and ended.success,
+        "orders": [
+            [order.id, [part.part.type for part in order.kitting_task.parts]] for order in orders
+        ],
+    }
+
+
+def advance_back():
+    """Ask for people with stamps of a clock that goes backwards, until a line is due."""
+    from hunav_msgs.srv import ComputeAgents
+
+    client = Client()
+    compute = client.node.create_client(ComputeAgents, "/compute_agents")
+    client.until(compute.service_is_ready)
+    times = []
+    for second in (100, 101, 50, 51, 20, 21):
+        request = ComputeAgents.Request()
+        request.current_agents.header.stamp.sec = second
+        answer = client.wait(compute.call_async(request))
+        times.append(_places(answer.updated_agents)["ann"])
+    return times
+
+
+def second_clock():
+    """Publish a clock, as another simulator does, until the vehicle has published for a second."""
+    from rosgraph_msgs.msg import Clock
+
+    client = Client()
+    publisher = client.node.create_publisher(Clock, "/clock", 10)
+    client.listen("/odom", Odometry)
+    client.until(lambda: "/odom" in client.last)
+    end = time.monotonic() + 1.0
+    client.until(lambda: publisher.publish(Clock()) or time.monotonic() > end)
 
 
 def trajectory(positions, seconds):

@@ -34,11 +34,11 @@ if ! [ -e "$ready" ]; then
 fi
 
 build() {  # the message package NAME from the folder DEFINITIONS: its files, or those that match an expression
-    local name=$1 definitions=$2 source=$folder/build/$1
-    ! [ -e "$source/done" ] || return 0
+    local name=$1 definitions=$2 source=$folder/build/$1 files
+    files=$(cd "$definitions" && find . -name "*.msg" -o -name "*.srv" -o -name "*.action" | sed 's#^\./##' | sort | grep -E "^($3)\$")
+    if [ -e "$source/done" ] && [ "$files" = "$(cat "$source/all")" ]; then return 0; fi
     rm -rf "$source" && mkdir -p "$source"
-    (cd "$definitions" && find . -name "*.msg" -o -name "*.srv" -o -name "*.action") | sed 's#^\./##' | sort >"$source/all"
-    if [ -n "${3:-}" ]; then grep -E "^($3)\$" "$source/all" >"$source/some" && mv "$source/some" "$source/all"; fi
+    echo "$files" >"$source/all"
     while read -r file; do install -D "$definitions/$file" "$source/$file"; done <"$source/all"
     local needs
     needs=$(cd "$source" && xargs grep -hoE '^[a-z0-9_]+_(msgs|interfaces)/' <"$source/all" | tr -d / | sort -u | grep -vx "$name" || true)
@@ -73,15 +73,15 @@ unset PYTHONPATH
 
 needed() {  # the definitions that the tests use, as an expression
     case $1 in
-        nav2_msgs) echo 'action/(NavigateToPose|NavigateThroughPoses|FollowPath)\.action|msg/WaypointStatus\.msg' ;;
+        nav2_msgs) echo 'action/(NavigateToPose|NavigateThroughPoses|FollowWaypoints|FollowPath)\.action|msg/WaypointStatus\.msg' ;;
         people_msgs) echo 'msg/(Person|People)\.msg' ;;
         hunav_msgs) echo 'msg/Agents?\.msg|srv/(Compute|Get|Reset)Agents\.srv' ;;
-        simulation_interfaces) echo 'msg/.*|action/.*|srv/(Get(SimulatorFeatures|SimulationState|Entities|EntitiesStates|EntityState|EntityInfo|EntityBounds|NamedPoses|CurrentWorld)|Set(SimulationState|EntityState)|StepSimulation)\.srv' ;;
+        simulation_interfaces) echo 'msg/.*|action/.*|srv/(ResetSimulation|Get(SimulatorFeatures|SimulationState|Entities|EntitiesStates|EntityState|EntityInfo|EntityBounds|NamedPoses|CurrentWorld)|Set(SimulationState|EntityState)|StepSimulation)\.srv' ;;
         *) echo '.*' ;;
     esac
 }
 
-for name in tf2_msgs control_msgs people_msgs nav2_msgs hunav_msgs simulation_interfaces; do
+for name in tf2_msgs control_msgs ariac_msgs people_msgs nav2_msgs hunav_msgs simulation_interfaces; do
     for definitions in "$here/interfaces/$name" ${interfaces:+"$interfaces/$name" "$interfaces/$name-kilted"}; do
         if [ -d "$definitions" ]; then build "$name" "$definitions" "$(needed "$name")"; fi
     done

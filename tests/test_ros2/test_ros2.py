@@ -4,11 +4,20 @@ import math
 
 import pytest
 import shapely
-from cells import GANTRY, HANG, antagonist, hall
+from cells import COMPETITION, GANTRY, HANG, antagonist, hall
 
 import sim
 
 pytestmark = pytest.mark.slow
+
+PENDING, COMPLETED, FAILED = 0, 1, 3
+"""States of a nav2_msgs/WaypointStatus."""
+
+UNSUPPORTED, OK, NOT_FOUND, OPERATION_FAILED, ALREADY = 0, 1, 2, 4, 101
+"""Results of simulation_interfaces."""
+
+PAUSED, PLAYING, STOPPED = 2, 1, 0
+"""States of a simulation."""
 
 
 def lines(folder, name):
@@ -88,6 +97,24 @@ def test_navigate_through_poses_passes_each_pose_in_turn(ros, name):
     assert answer["left"] == sorted(answer["left"], reverse=True)
     for x, y, _ in poses:
         assert min(math.dist(place, (x, y)) for place in answer["places"]) < 0.6
+    assert answer["waypoints"] == [[k, COMPLETED, list(pose[:2])] for k, pose in enumerate(poses)]
+    assert answer["states"][0] == [PENDING, PENDING, PENDING]
+    assert [COMPLETED, COMPLETED, PENDING] in answer["states"]
+
+
+@pytest.mark.messages("nav2_msgs")
+def test_waypoints_are_followed_and_one_without_a_path_is_named(ros):
+    there, in_rack = (4.0, 9.0), (10.0, 6.5)
+    with ros.serving(hall(), "--speed", "4") as server:
+        done = ros.client("follow_waypoints", name="bot", poses=[there, (5.0, 9.5)])
+        missed = ros.client("follow_waypoints", name="bot", poses=[there, in_rack, there])
+        through = ros.client("go_through", name="bot", poses=[there, in_rack, there])
+    assert (done["status"], done["waypoints"]) == ("succeeded", [])
+    assert sorted(set(done["current"])) == [0, 1]
+    assert missed["status"] == "aborted"
+    assert missed["waypoints"] == [[1, FAILED, [*in_rack]]]
+    assert [state for _, state, _ in through["waypoints"]] == [COMPLETED, FAILED, PENDING]
+    assert "bot/follow_waypoints" in server.notices
 
 
 @pytest.mark.messages("nav2_msgs")
@@ -131,6 +158,78 @@ def test_lock_step_has_the_events_of_a_run(ros, floorwalker):
     assert floorwalker("run", "cell.trial.yaml", "--out", "run", cwd=ros.folder).returncode == 0
     for name in ("events.jsonl", "motions.jsonl"):
         assert lines(ros.folder / "stepped", name) == lines(ros.folder / "run", name)
+
+
+@pytest.mark.messages("simulation_interfaces")
+def test_simulation_interfaces_describe_people_machines_and_the_floor(ros):
+    with ros.serving(hall()):
+        seen = ros.client("read_simulation", radius=1.0)
+    assert seen["all"] == [OK, "ann", "bot"]
+    assert seen["named"] == seen["robots"] == seen["west"] == [OK, "bot"]
+    assert seen["near"] == [OK, "ann"] and seen["both"] == [OK]
+    assert seen["people"] == seen["all"]
+    assert (seen["bad"], seen["unknown"]) == ([OPERATION_FAILED], [UNSUPPORTED])
+    assert seen["states"] == [["ann"], [6.0, 1]] and seen["missing"] == [NOT_FOUND] * 3
+    assert "amr" in seen["info"] and seen["info"][0] == 1
+    assert seen["bounds"][0][:2] == [0.5, 0.35] and seen["bounds"][1] == [-0.5, -0.35, 0.0]
+    assert sorted(seen["poses"]) == [["dock", 4.0, 10.0], ["press", 16.0, 10.0]]
+    assert seen["world"] == "hall" and seen["reset"]
+
+
+@pytest.mark.messages("simulation_interfaces", "nav2_msgs", "hunav_msgs")
+@pytest.mark.parametrize("service", ["reset_simulation", "reset_agents"])
+def test_a_reset_begins_the_run_again_and_loses_no_recording(ros, service):
+    with ros.serving(hall(), "--speed", "4", "--out", "run") as server:
+        seen = ros.client("reset", service=service)
+    assert seen["done"] and seen["partly"] in (None, UNSUPPORTED)
+    assert seen["after"][0] < seen["before"][0] and seen["after"][1] < 0.01 < seen["before"][1]
+    assert (seen["first"], seen["again"]) == (6, 4) and "again" in seen["error"]
+    first, second = (sim.load_run(ros.folder / name) for name in ("run", "run-2"))
+    assert first.duration >= seen["before"][0] and first.summary["interrupted"]
+    assert lines(ros.folder / "run-2", "commands.yaml").count(b"move_to") == 1
+    assert second.motions["bot"].position(0.0) == pytest.approx(first.motions["bot"].position(0.0))
+    assert "reset at" in server.notices and "recorded in run" in server.notices
+
+
+@pytest.mark.messages("simulation_interfaces")
+def test_states_change_and_steps_can_be_cancelled(ros):
+    with ros.serving(hall(3600), "--out", "run") as server:
+        seen = ros.client("change_states")
+        assert server.wait(HANG) == 0
+    assert seen["seen"] == [
+        *([OK, PAUSED], [ALREADY, PAUSED], [OK, STOPPED], [OK, PLAYING]),
+        *([UNSUPPORTED, PLAYING], [OK, PAUSED]),
+    ]
+    assert (seen["steps"], seen["cancelled"]) == (OK, 5)
+    assert sim.load_run(ros.folder / "run-2").duration > 0
+
+
+@pytest.mark.messages("ariac_msgs")
+def test_topics_of_the_competition_drive_a_person_and_an_agv(ros):
+    options = ("--personality", "external", "--rules", "observe", "--duration", "600")
+    with ros.serving(COMPETITION, *options, "--speed", "10") as server:
+        seen = ros.client("compete")
+        assert server.wait(HANG) == 0
+    assert (seen["phase"], seen["health"]) == (3, [True, True])
+    assert math.dist(seen["at"], (-6.0, 3.0)) < 1.0
+    assert seen["moved"] == [False, True] and seen["done"]
+    assert seen["orders"] == [["KIT", [11]]]
+    (line,) = (one for one in server.notices.splitlines() if "goal_position" in one)
+    assert "nan" in line
+
+
+@pytest.mark.messages("hunav_msgs")
+def test_a_clock_that_goes_back_is_one_line(ros):
+    with ros.serving(antagonist(60), "--step") as server:
+        places = ros.client("advance_back")
+    assert places[1] == places[2] and places[3] != places[2] and places[3] == places[4]
+    assert sum("clock went back" in line for line in server.notices.splitlines()) == 1
+
+
+def test_another_simulator_in_the_domain_is_one_line(ros):
+    with ros.serving(hall()) as server:
+        ros.client("second_clock")
+    assert sum(line.startswith("/clock") for line in server.notices.splitlines()) == 1
 
 
 @pytest.mark.messages("nav2_msgs")

@@ -247,7 +247,9 @@ class Client:
     """Client that sends exactly the given operations."""
 
     def __init__(self, url, **options):
-        options = {"compression": None, "max_size": None, "close_timeout": 0.5, **options}
+        # Without a limit of its queue, a client also reads the end of the connection.
+        limits = {"max_size": None, "max_queue": None, "close_timeout": 0.1}
+        options = {"compression": None, **limits, **options}
         self._connection = connect(url, **{"open_timeout": HANG, **options})
 
     def __enter__(self):

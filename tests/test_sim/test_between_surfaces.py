@@ -66,27 +66,21 @@ def run_of(seed, law="fixed", controller="oblivious", machine="none"):
     return sim.run(sim.Trial.parse(text))
 
 
-def surfaces(run, machine, pose):
-    """Return the area of a machine at a pose, with the circle of its arm."""
-    shape = run.scene.machine(machine)
-    area = shape.footprint(pose[:2], pose[2])
-    return area.union(shapely.Point(pose[:2]).buffer(shape.reach, 256)) if shape.reach else area
-
-
 def sampled(run, person, machine, t):
     """Return distances between surfaces (m), speeds of the axis and the farthest corner (m/s)."""
     motion, shape = run.motions[machine], run.scene.machine(machine)
     radius = next(one.radius for one in run.scene.people if one.name == person)
-    poses = np.column_stack([motion.position(t), motion.rotation(t)])
-    distances = [
-        surfaces(run, machine, pose).distance(shapely.Point(at)) - radius
-        for pose, at in zip(poses, run.motions[person].position(t), strict=True)
-    ]
+    at, rotation = run.motions[person].position(t), motion.rotation(t)
     corners = shapely.get_coordinates(shape.footprint((0.0, 0.0), 0.0))
+    turn = np.exp(1j * rotation)[:, None] * (corners @ [1.0, 1.0j])
+    placed = np.stack([turn.real, turn.imag], axis=2) + motion.position(t)[:, None]
+    distances = shapely.distance(shapely.polygons(placed), shapely.points(at))
+    to_arm = np.hypot(*(at - motion.position(t)).T) - shape.reach
+    distances = np.minimum(distances, to_arm) if shape.reach else distances
     farthest = max(float(np.hypot(*corners.T).max()), shape.reach)
     turning = np.abs([motion.state(one).velocity[2] for one in t]) * farthest
     speeds = np.hypot(*motion.velocity(t).T)
-    return np.maximum(distances, 0.0), speeds, turning
+    return np.maximum(distances - radius, 0.0), speeds, turning
 
 
 def inside(spans, t):

@@ -397,6 +397,15 @@ def test_too_many_commands_at_one_time_are_rejected_and_the_run_continues():
         assert not session.join().summary["interrupted"]
 
 
+def test_a_call_of_a_service_that_is_rejected_is_answered_and_the_run_continues():
+    with served(trial(duration=5.0), hold=True) as session, Client(session.url) as client:
+        answers = [client.call("/ariac/set_human_safe_zone_penalty") for _ in range(301)]
+        assert answers[-2][0] and not answers[-1][0]
+        assert "/ariac/set_human_safe_zone_penalty" in answers[-1][1]
+        assert "more than 300" in answers[-1][1]
+        assert client.call("/rosapi/nodes")[0]
+
+
 def test_only_one_client_steps_the_time():
     with served(trial(duration=5.0)) as session, Client(session.url) as one:
         assert one.call("/floorwalker/advance", until=-1.0) == (True, {"time": 0.0, "ended": False})
@@ -493,7 +502,8 @@ def act_as_the_simulation(client, heard):
     client.publish("/ariac/competition_state", competition_state=4)
 
 
-def test_an_agent_whose_connection_breaks_off_tries_again():
+def test_an_agent_whose_connection_breaks_off_tries_again(monkeypatch):
+    monkeypatch.setattr("sim.bridge.uplink._FIRST_RETRY", 0.01)
     notices, a_trial = [], trial("antagonistic")
     with relay() as url:
 
@@ -609,7 +619,7 @@ def test_a_flood_and_a_killed_client_do_not_disturb_other_clients(tmp_path):
     text = HALL.replace("personality: external", "personality: indifferent").replace(
         "duration: 40", "duration: 400"
     )
-    with served(sim.Trial.parse(text), recording, speed=2.0) as session:
+    with served(sim.Trial.parse(text), recording, speed=10.0) as session:
         with Client(session.url) as listener, Client(session.url) as flooding:
             listener.subscribe("/clock", queue_length=1000)
             killed = Client(session.url).__enter__()

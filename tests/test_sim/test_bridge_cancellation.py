@@ -6,7 +6,7 @@ import gc
 import pytest
 from bridge_parts import Exchange, Session, Workcell, trial
 
-from sim.bridge.waiting import done_within
+from sim.bridge.client import done_within
 
 
 async def cancelled_as_it_happens(waiting, happens):

@@ -172,7 +172,8 @@ ATTACKS = {
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
-def test_incomplete_and_unread_messages_count(attack):
+def test_incomplete_and_unread_messages_count(attack, monkeypatch):
+    monkeypatch.setattr("sim.bridge.server._GOODBYE", 0.1)
     beginning, rest = ATTACKS[attack]
     ledger = Ledger(most_for_one=1_000_000)
     most = []

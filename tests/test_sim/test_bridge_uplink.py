@@ -4,7 +4,7 @@ import asyncio
 import json
 
 import pytest
-from bridge_parts import Client, Command, ConnectError, Exchange, InThread, Session, Workcell, relay
+from bridge_parts import Client, ConnectError, Exchange, InThread, Session, Workcell, relay
 from test_bridge import HALL, goal_of
 from waiting import HANG, until
 from websockets.asyncio.server import serve
@@ -41,7 +41,7 @@ def test_a_trial_is_served_through_another_server():
         client.subscribe("/odom", type="nav_msgs/Odometry")
         client.subscribe("/goal_result", "/ann/percept", type="std_msgs/String")
         client.settle()
-        with Uplinked(url) as served:
+        with Uplinked(url, HALL.replace("duration: 40", "duration: 12")) as served:
             assert client.message("/ann/percept") == {"data": "human_start"}
             client.publish("/goal_pose", **goal_of(6.0, 4.0))
             assert client.message("/goal_result") == {"data": "succeeded"}
@@ -104,7 +104,8 @@ def test_services_and_types_are_those_of_the_server():
     server.stop()
 
 
-def test_time_stops_while_the_connection_is_broken():
+def test_time_stops_while_the_connection_is_broken(monkeypatch):
+    monkeypatch.setattr("sim.bridge.uplink._FIRST_RETRY", 0.01)
     with relay() as url:
         served = Uplinked(url, HALL.replace("duration: 40", "duration: 4000"))
         until(lambda: served.workcell.now > 1.0)
@@ -124,7 +125,6 @@ def test_unsupported_features_of_another_server_are_reported(tmp_path, floorwalk
         wrong = Uplinked(url, speed=0.0)
         wrong.thread.join(HANG)
         raise wrong.thread.failure
-    with Command(tmp_path, "--to", "ws://127.0.0.1:1", "ariac2023") as command:
-        code, _ = command.finish()
-    assert code == 1
-    assert "can't connect" in command.notices[-1]
+    done = floorwalker("bridge", "--to", "ws://127.0.0.1:1", "ariac2023", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "can't connect" in done.stderr

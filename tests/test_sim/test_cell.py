@@ -239,3 +239,27 @@ def test_a_pace_follows_real_time_and_can_be_paused_held_and_stepped():
     for wrong in (-1.0, math.nan, math.inf):
         with pytest.raises(ValueError, match="step"):
             pace.step(wrong)
+
+
+def test_a_cell_continues_with_another_simulation_from_its_start(tmp_path):
+    trial = sim.Trial.parse(TRIAL)
+    recordings = [sim.Recording(tmp_path / name) for name in ("first", "second")]
+    cell = Cell(sim.Simulation(trial, recordings[0]))
+    first, events = cell.simulation, []
+    pose, goal = cell.signals["machines/bot/pose"], (4.0, 10.0)
+    cell.signals["events"].watch(lambda event: events.append((event["t"], event["kind"])))
+    drive = cell.tasks["machines/bot/go_to"].start(goal)
+    cell.pace.step(7.3)
+    assert pose.read() != Pose(4.0, 4.0, 0.0)
+    cell.continue_with(sim.Simulation(first.trial, recordings[1]))
+    assert (cell.now, pose.read()) == (0.0, Pose(4.0, 4.0, 0.0))
+    assert drive.result.startswith("failed") and events[-1][0] == 0.0
+    assert events.count((0.0, "trial_started")) == 1
+    again = cell.tasks["machines/bot/go_to"].start(goal)
+    assert run_until_ended(cell, again) == ["succeeded"]
+    for recording, simulation in zip(recordings, (first, cell.simulation), strict=True):
+        recording.finish(simulation.finish())
+    before, after = (
+        (recording.folder / "events.jsonl").read_bytes().splitlines() for recording in recordings
+    )
+    assert before[:-1] == after[: len(before) - 1] and b"trial_ended" in before[-1]

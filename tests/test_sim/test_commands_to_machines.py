@@ -5,13 +5,14 @@ import random
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import pytest
 from small_floors import WORKCELL, on_floor
 
 import navigation
 import sim
-from sim.bridge.exchange import Exchange, RefusedError
+from sim.bridge.exchange import Exchange
 from sim.bridge.workcell import Workcell
 
 TRIAL = on_floor(
@@ -190,7 +191,10 @@ def test_machines_commanded_over_a_bridge_repeat_to_the_byte(tmp_path):
     trial = sim.Trial.load("ariac2023")
     trial = replace(trial, duration=30.0, gantry=sim.GantryEntry("external"))
     recording = sim.Recording(tmp_path / "first")
-    workcell = Workcell(trial, Exchange(), recording)
+    exchange = Exchange()
+    workcell = Workcell(trial, exchange, recording)
+    follow = exchange.topics["/gantry_controller/joint_trajectory"].heard
+    move_agv = exchange.services["/ariac/move_agv1"].answer
     point = {"time_from_start": {"sec": 0, "nanosec": 0}, "velocities": []}
     names = [
         "gantry_rotation_joint",
@@ -201,10 +205,10 @@ def test_machines_commanded_over_a_bridge_repeat_to_the_byte(tmp_path):
         workcell.cell.pace.step(0.37 * k - workcell.now)
         if k % 7 == 1:
             at = {"positions": [0.1 * k, -4.0 + 0.05 * k, 1.0]}
-            with suppress(RefusedError):  # it is disabled
-                workcell._gantry._follow({"joint_names": names, "points": [point | at]})
+            with suppress(ValueError):  # it is disabled
+                follow({"joint_names": names, "points": [point | at]}, "")
         if k % 11 == 3:
-            workcell._agvs._move(workcell.simulation.agvs[0], None, {"location": k % 3})
+            move_agv(SimpleNamespace(name="client"), {"location": k % 3})
     workcell.cell.pace.step(30.0 - workcell.now)
     run = workcell.simulation.finish()
     recording.finish(run)

@@ -83,22 +83,24 @@ def cell(tmp_path):
     return written(tmp_path, CELL, STUDY)
 
 
-@pytest.fixture
-def study(cell):
-    return sim.Study.load(cell / "worst.study.yaml")
-
-
-@pytest.fixture
-def short(tmp_path):
-    """A study of trials of three seconds."""
-    return sim.Study.load(written(tmp_path, SHORT, SHORT_STUDY) / "worst.study.yaml")
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    return sim.Study.load(
+        written(tmp_path_factory.mktemp("study"), CELL, STUDY) / "worst.study.yaml"
+    )
 
 
 @pytest.fixture(scope="module")
-def searched(tmp_path_factory):
+def short(tmp_path_factory):
+    """A study of trials of three seconds."""
+    folder = written(tmp_path_factory.mktemp("short"), SHORT, SHORT_STUDY)
+    return sim.Study.load(folder / "worst.study.yaml")
+
+
+@pytest.fixture(scope="module")
+def searched(study):
     """Results of the search on one process, in the folder `out` beside the study."""
-    folder = written(tmp_path_factory.mktemp("searched"), CELL, STUDY)
-    return results_of(sim.Study.load(folder / "worst.study.yaml"), folder / "out", **SEARCHED)
+    return results_of(study, study.folder / "out", **SEARCHED)
 
 
 USUAL = {"minimise": "least_margin_moving", "sampler": "random", "cases": 0, "batch": 4}
@@ -173,27 +175,28 @@ def assert_same(results, others):
         assert (results.folder / file).read_bytes() == (others.folder / file).read_bytes()
 
 
-def test_a_search_that_was_stopped_and_resumed_on_two_processes_is_the_same(searched, study, cell):
-    done = []
+def test_a_search_that_was_stopped_and_resumed_on_two_processes_is_the_same(searched, study):
+    done, out = [], study.folder / "part"
 
     def stop(now):
         done.append(now.done)
         if now.done == 8:
             raise KeyboardInterrupt
 
-    part = results_of(study, cell / "part", progress=stop, **SEARCHED)
+    part = results_of(study, out, progress=stop, **SEARCHED)
     assert part.interrupted
     assert done == [4, 8]
     assert part.evaluations == searched.evaluations[:8]
-    rest = results_of(study, cell / "part", jobs=2, **SEARCHED)
+    rest = results_of(study, out, jobs=2, **SEARCHED)
     assert not rest.interrupted
     assert_same(rest, searched)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("backend", "jobs"), [("loky", 2), ("dask", 1), ("dask", 2)])
-def test_a_search_is_the_same_on_any_number_of_processes(searched, study, cell, backend, jobs):
-    assert_same(results_of(study, cell / "other", jobs=jobs, backend=backend, **SEARCHED), searched)
+def test_a_search_is_the_same_on_any_number_of_processes(searched, study, backend, jobs):
+    out = study.folder / f"{backend}-{jobs}"
+    assert_same(results_of(study, out, jobs=jobs, backend=backend, **SEARCHED), searched)
 
 
 def test_a_search_can_be_extended_but_not_changed(searched, study, cell):
@@ -346,9 +349,9 @@ def test_every_key_that_a_break_does_not_need_is_omitted():
 
 def test_a_trial_with_too_many_contacts_ends_soon_after_the_first():
     # A person on the path of the vehicle is run over again and again.
-    eve = "people:\n  - {name: eve, at: [9, 2.2], personality: external, max_speed: 0.1}"
-    there_and_back = "{go: [13, 2.2]}, {go: [3, 2.2]}"
-    text = HALL.replace("people:", eve).replace("duration: 60", "duration: 35")
+    eve = "people:\n  - {name: eve, at: [5, 2.2], personality: external, max_speed: 0.1}"
+    there_and_back = "{go: [7, 2.2]}, {go: [3, 2.2]}"
+    text = HALL.replace("people:", eve).replace("duration: 60", "duration: 13")
     text = text.replace("{go: [15, 2.5]}, {go: [14, 8]}, {go: [3, 2]}", there_and_back)
     trial = sim.Trial.parse(text)
     run = sim.run(trial)
@@ -501,7 +504,8 @@ def test_a_custom_sampler_is_named_in_a_file(short, tmp_path):
         "    def tell(self, points, values):\n"
         "        pass\n"
     )
-    results = results_of(short, tmp_path / "out", sampler="mine:Lowest", evaluations=12)
+    own = replace(short, folder=tmp_path)
+    results = results_of(own, tmp_path / "out", sampler="mine:Lowest", evaluations=12)
     assert results.sampler == "mine:Lowest"
     assert {one.values["start_time"] for one in results.evaluations if not one.is_random} == {0.0}
 
@@ -574,8 +578,8 @@ def test_an_error_of_a_controller_is_minimised(tmp_path):
 # The command.
 
 
-def test_the_command_searches_and_exits_with_1_if_a_trial_breaks(short, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_command_searches_and_exits_with_1_if_a_trial_breaks(tmp_path, monkeypatch):
+    monkeypatch.chdir(written(tmp_path, SHORT, SHORT_STUDY))
     keys = "{minimise: least_margin_moving, below: 100, sampler: random, evaluations: 8, cases: 1}"
     (tmp_path / "worst.study.yaml").write_text(SHORT_STUDY + f"search: {keys}")
     outcome = CliRunner().invoke(app, ["search", "worst.study.yaml", "--jobs", "1"])
@@ -589,8 +593,8 @@ def test_the_command_searches_and_exits_with_1_if_a_trial_breaks(short, tmp_path
     assert "nothing broke jobs_done" in outcome.output
 
 
-def test_columns_that_do_not_fit_are_left_to_the_report(short, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_columns_that_do_not_fit_are_left_to_the_report(tmp_path, monkeypatch):
+    monkeypatch.chdir(written(tmp_path, SHORT, SHORT_STUDY))
     monkeypatch.setattr("sim.commands.search.WIDTH", 40)
     keys = ["--minimise", "penalties", "--sampler", "random", "--evaluations", "4", "--jobs", "1"]
     lines = CliRunner().invoke(app, ["search", "worst.study.yaml", *keys]).output.splitlines()

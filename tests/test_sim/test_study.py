@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -50,17 +51,34 @@ seed: 11
 """
 
 
+def with_files(folder):
+    """Return the folder with the files of a study."""
+    (folder / "short.trial.yaml").write_text(TRIAL)
+    (folder / "moody.py").write_text(CONTROLLER)
+    (folder / "s.study.yaml").write_text(STUDY)
+    return folder
+
+
 @pytest.fixture
 def folder(tmp_path):
-    (tmp_path / "short.trial.yaml").write_text(TRIAL)
-    (tmp_path / "moody.py").write_text(CONTROLLER)
-    (tmp_path / "s.study.yaml").write_text(STUDY)
-    return tmp_path
+    return with_files(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    return sim.Study.load(with_files(tmp_path_factory.mktemp("study")) / "s.study.yaml")
+
+
+@pytest.fixture(scope="module")
+def finished_study(study):
+    """Results of the study, in the folder `out` beside it."""
+    return sim.run_study(study, study.folder / "out", jobs=1)
 
 
 @pytest.fixture
-def study(folder):
-    return sim.Study.load(folder / "s.study.yaml")
+def out(finished_study, tmp_path):
+    """Copy of the folder of the finished study."""
+    return shutil.copytree(finished_study.study.folder / "out", tmp_path / "out")
 
 
 def lines(path):
@@ -83,9 +101,8 @@ def wait_for_rows(folder, process):
     until(lambda: results.exists() and results.read_bytes().count(b"\n") > 3, process)
 
 
-def test_every_row_has_the_figures_of_a_run_of_its_trial(study, tmp_path):
-    results = sim.run_study(study, tmp_path / "out", jobs=1)
-    table = lines(tmp_path / "out" / "results.csv")
+def test_every_row_has_the_figures_of_a_run_of_its_trial(study, finished_study, out):
+    results, table = finished_study, lines(out / "results.csv")
     assert len(results) == len(table) == len(study) == 16
     for row, line in zip(study.rows(), table, strict=True):
         assert line["row"] == str(row.number)
@@ -163,7 +180,7 @@ def moody(gantry):
 
 
 @pytest.mark.slow
-def test_a_killed_study_continues_and_ends_with_the_same_bytes(study, folder):
+def test_a_killed_study_continues_and_ends_with_the_same_bytes(folder):
     (folder / "moody.py").write_text(CONTROLLER.replace("def moody", "def driven") + WAITS)
     (folder / "held").touch()  # with some rows, the controller waits until the test kills the study
     process = command(folder, "--out", "killed", "--jobs", "2", start_new_session=True)
@@ -180,7 +197,7 @@ def test_a_killed_study_continues_and_ends_with_the_same_bytes(study, folder):
     assert err.startswith("Continuing after ")
     assert "8 of 16 rows failed; row 1: ControllerError: the gantry controller" in err
     assert "killed/report.html" in out
-    sim.run_study(study, folder / "whole", jobs=1)
+    sim.run_study(sim.Study.load(folder / "s.study.yaml"), folder / "whole", jobs=1)
     for name in ("study.json", "results.csv", "results.parquet", "report.html"):
         assert (folder / "killed" / name).read_bytes() == (folder / "whole" / name).read_bytes()
 
@@ -225,40 +242,35 @@ def test_a_stopped_study_explains_how_to_continue(folder, stop, sent, backend):
     assert [line["row"] for line in table[:3]] == ["0", "1", "2"]
 
 
-def test_a_finished_study_runs_no_row_again(study, tmp_path):
-    sim.run_study(study, tmp_path, jobs=1)
-    table, reported = tmp_path / "results.csv", []
+def test_a_finished_study_runs_no_row_again(study, out):
+    table, reported = out / "results.csv", []
     before = (table.read_bytes(), table.stat().st_mtime_ns)
-    results = sim.run_study(
-        study, tmp_path, jobs=1, begin=reported.append, progress=reported.append
-    )
+    results = sim.run_study(study, out, jobs=1, begin=reported.append, progress=reported.append)
     assert (reported, len(results)) == ([16], 16)
     assert (table.read_bytes(), table.stat().st_mtime_ns) == before
 
 
-def test_a_changed_row_is_reported_and_removed_rows_are_run_again(study, tmp_path):
-    sim.run_study(study, tmp_path, jobs=1)
-    rows, table = tmp_path / "results.jsonl", tmp_path / "results.csv"
+def test_a_changed_row_is_reported_and_removed_rows_are_run_again(study, out):
+    rows, table = out / "results.jsonl", out / "results.csv"
     whole, csv_bytes = rows.read_bytes(), table.read_bytes()
     written = whole.splitlines(keepends=True)
     changed = written[3].replace(b'"seed": ', b'"seed": 7', 1)
     for lines in ([*written[:3], changed, *written[4:]], [*written[:3], *written[4:]]):
         rows.write_bytes(b"".join(lines))
         with pytest.raises(ValueError, match=r"results\.jsonl, line 4: row 3 is not as it was"):
-            sim.run_study(study, tmp_path, jobs=1)
+            sim.run_study(study, out, jobs=1)
     rows.write_bytes(b"".join(written[:3]))
     begun = []
-    sim.run_study(study, tmp_path, jobs=1, begin=begun.append)
+    sim.run_study(study, out, jobs=1, begin=begun.append)
     assert begun == [3]
     assert (rows.read_bytes(), table.read_bytes()) == (whole, csv_bytes)
 
 
-def test_a_changed_table_is_restored_from_its_rows(study, tmp_path):
-    before = sim.run_study(study, tmp_path, jobs=1)
-    table = tmp_path / "results.csv"
+def test_a_changed_table_is_restored_from_its_rows(study, finished_study, out):
+    table = out / "results.csv"
     whole = table.read_bytes()
     table.write_bytes(whole.replace(b"\n3,", b"\n3;"))
-    assert sim.run_study(study, tmp_path, jobs=1).columns == before.columns
+    assert sim.run_study(study, out, jobs=1).columns == finished_study.columns
     assert table.read_bytes() == whole
 
 
@@ -271,8 +283,8 @@ def test_a_changed_table_is_restored_from_its_rows(study, tmp_path):
         ("moody.py", ("1.0", "1.5"), "the controller moody:moody"),
     ],
 )
-def test_the_folder_of_another_study_is_rejected(study, folder, file, change, words):
-    with StudyFolder(folder / "out", study):
+def test_the_folder_of_another_study_is_rejected(folder, file, change, words):
+    with StudyFolder(folder / "out", sim.Study.load(folder / "s.study.yaml")):
         pass
     text = (folder / file).read_text()
     (folder / file).write_text(text.replace(*change))
@@ -313,8 +325,7 @@ def test_an_unusable_folder_is_rejected(study, tmp_path):
         assert len(str(why.value)) < 1000
 
 
-def test_a_study_continues_after_a_full_disk_is_reported(study, tmp_path, room_for):
-    sim.run_study(study, tmp_path / "whole", jobs=1)
+def test_a_study_continues_after_a_full_disk_is_reported(study, out, tmp_path, room_for):
     for room in (100, 400, 1500):
         full = pytest.raises(sim.OutputError, match=r"can't write to .*full: File too large")
         with full, room_for(room):
@@ -322,8 +333,8 @@ def test_a_study_continues_after_a_full_disk_is_reported(study, tmp_path, room_f
         left = {path.name for path in (tmp_path / "full").iterdir()}
         assert left <= {"study.json", "results.csv", "results.jsonl"}
     sim.run_study(study, tmp_path / "full", jobs=1)
-    whole, full = (tmp_path / name / "results.csv" for name in ("whole", "full"))
-    assert full.read_bytes() == whole.read_bytes()
+    full = tmp_path / "full" / "results.csv"
+    assert full.read_bytes() == (out / "results.csv").read_bytes()
 
 
 def test_two_processes_cannot_work_on_one_folder(study, tmp_path):
@@ -343,13 +354,12 @@ def test_a_worker_that_dies_is_reported(folder):
     assert "Traceback" not in err
 
 
-def test_the_trial_of_a_row_repeats_its_figures(study, folder, floorwalker):
-    done = floorwalker("study", "s.study.yaml", "--row", "6", "--out", "out", cwd=folder)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "out/trials/000006.yaml\n", "")
-    assert not (folder / "out" / "results.csv").exists()
-    trial = sim.Trial.load(folder / "out" / "trials" / "000006.yaml")
-    sim.run_study(study, folder / "out", jobs=1)
-    line = lines(folder / "out" / "results.csv")[6]
+def test_the_trial_of_a_row_repeats_its_figures(study, out, folder, floorwalker):
+    done = floorwalker("study", "s.study.yaml", "--row", "6", "--out", "row", cwd=folder)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "row/trials/000006.yaml\n", "")
+    assert not (folder / "row" / "results.csv").exists()
+    trial = sim.Trial.load(folder / "row" / "trials" / "000006.yaml")
+    line = lines(out / "results.csv")[6]
     summary = sim.run(trial).summary
     assert line["seed"] == str(trial.seed)
     walked = summary["people"]["ben"]["distance_walked"]
@@ -368,11 +378,10 @@ def test_requested_metrics_are_columns(folder):
     assert column[1] is None
 
 
-def test_parquet_and_csv_contain_the_same_table(study, tmp_path):
+def test_parquet_and_csv_contain_the_same_table(finished_study, out):
     import pandas
 
-    results = sim.run_study(study, tmp_path, jobs=1)
-    frame = pandas.read_parquet(tmp_path / "results.parquet")
+    results, frame = finished_study, pandas.read_parquet(out / "results.parquet")
     assert list(frame.columns) == list(results.columns)
     assert frame["penalties"].sum() == sum(v or 0 for v in results.columns["penalties"])
     assert frame["personality"].tolist() == results.columns["personality"]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from pydantic import Field, model_validator
 from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Lane, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import (
     Angle,
     Flag,
@@ -17,8 +18,8 @@ from floorplan.files.fields import (
     Pair,
     Positive,
     Range,
-    Strictly,
 )
+from floorplan.files.models import Strictly
 from floorplan.files.problems import Fault
 from navigation.machines import AxisLimits, Stop, longest_stop
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from pydantic import model_validator
 from typing_extensions import Self
 
 from floorplan import Floorplan, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import Angle, Keyed, Number, Positive
 from floorplan.files.problems import suggestion
 

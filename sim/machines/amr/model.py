@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import Literal
 
 import shapely
 from shapely.geometry import Polygon
 
 from floorplan import Floorplan, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import Flag, Pair, Positive
 from floorplan.files.problems import Fault
 from navigation import PlanningError, VehicleLimits, VehiclePlanner

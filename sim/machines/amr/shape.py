@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import shapely
 from shapely.geometry import Polygon
 
+from floorplan.files.dataclass import dataclass
 from navigation import VehicleLimits
 
 from ...core.body import MachineShape

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from typing import Any
 
 from pydantic import TypeAdapter
 
 from floorplan import Floorplan, Gantry, Point
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import Range, size_fault
 from floorplan.files.problems import Fault, suggestion
 from navigation import VehicleLimits

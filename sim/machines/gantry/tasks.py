@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Any
 
 from floorplan import Floorplan, Gantry, Point, UserError
+from floorplan.files.dataclass import dataclass
 from navigation import Motion
 
 from ...core.clock import MOMENT, Alarm, Clock, Turn

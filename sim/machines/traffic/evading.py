@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from shapely.geometry import Polygon
+
+from floorplan.files.dataclass import dataclass
 
 from ...core.body import Machine
 from ...core.entries import Pose

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Generic, TypeVar
+
+from floorplan.files.dataclass import dataclass
 
 from ...core.entries import Pose
 from .areas import Part

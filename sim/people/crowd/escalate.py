@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
+from floorplan.files.dataclass import dataclass
 from navigation.kernels.discs import Swath
 
 from ...core.events import Blocked, Deadlock

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from random import Random
 from typing import TypeVar
+
+from floorplan.files.dataclass import dataclass
 
 from ...core.entries import AS_USUAL, MannersEntry, Side, seed_of
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 
 import numpy as np
 
 from floorplan import Point
+from floorplan.files.dataclass import dataclass
 from navigation import CollisionWorld, Motion, PlanningError
 from navigation.motion import Piece
 

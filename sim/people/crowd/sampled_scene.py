@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+
+from floorplan.files.dataclass import dataclass
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from floorplan import Human, Point
+from floorplan.files.dataclass import dataclass
 from navigation import CollisionWorld, Motion
 from navigation.kernels.discs import Swath
 from navigation.walking import swath, swath_along

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import is_
 from pathlib import Path
 from typing import TypeVar
@@ -16,6 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from floorplan import Floorplan, Point, Problem
+from floorplan.files.dataclass import dataclass
 from floorplan.files.problems import Fault, suggestion
 from navigation import Motion, join, standing
 

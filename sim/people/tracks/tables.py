@@ -12,7 +12,7 @@ import sqlite3
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floorplan import InputError, Problem, UserError
+from floorplan.files.dataclass import dataclass
 from floorplan.files.fields import LARGEST, SMALLEST, are_figures, figure
 from floorplan.files.reading import LARGEST_RECORDED, read_lines, require_readable
 

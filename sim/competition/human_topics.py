@@ -11,9 +11,7 @@ from functools import partial
 
 from ..cell import Cell
 from ..core.recorder import Event
-from ..people.person import Person
-from .client import Client
-from .exchange import Exchange, RefusedError, Values, take
+from .transport import Caller, RefusedError, Transport, Values
 
 START = "/ariac/start_human"
 REACHED = "/ariac_human/position_reached"
@@ -38,15 +36,20 @@ COMMANDS: dict[str, tuple[str, Callable[[Values], str | None]]] = {
 """Topics on which an agent publishes: their types, and the action of a message, if any."""
 
 PERCEPTS: dict[str, tuple[str, bool | str]] = {
-    "human_start": (START, True),
     "work_completed": (REACHED, True),
     "gantry_detected": (DETECTED, True),
     "gantry_disabled": (UNSAFE, True),
     "agv_danger": (UNSAFE, False),
     "path_blocked": (BLOCKED, "path_blocked"),
     "goal_blocked": (BLOCKED, "goal_blocked"),
+    "human_start": (START, True),
 }
 """Topic of a percept, and the data that stands for it there."""
+
+PERCEPT_TOPICS = {
+    topic: STRING if isinstance(data, str) else BOOL for topic, data in PERCEPTS.values()
+}
+"""Topics of percepts with their types. The start of the person is the last one."""
 
 _ANSWERS = frozenset({GOAL, STOP, GO_HOME, GO_HOME_AGV})
 """Topics on which an agent answers a violation."""
@@ -62,26 +65,25 @@ _PERCEPT_OF_EVENT = {
 class HumanTopics:
     """Topics and services of one person, who is driven by an agent if they are external."""
 
-    def __init__(self, person: Person, cell: Cell, exchange: Exchange) -> None:
-        name = f"people/{person.name}"
+    def __init__(self, person: str, cell: Cell, transport: Transport) -> None:
+        name = f"people/{person}"
         self._person = person
         self._cell = cell
-        self._exchange = exchange
+        self._transport = transport
         self._act_command = cell.commands.get(f"{name}/act")
         self._goal = cell.commands.get(f"{name}/goal")
         self._unanswered: tuple[str, float] | None = None
         """Violation that the agent has not answered yet, and its time (s)."""
         self._topics = {
-            START: exchange.advertise(START, BOOL, heard=self._start, latched=1),
-            REACHED: exchange.advertise(REACHED, BOOL),
-            UNSAFE: exchange.advertise(UNSAFE, BOOL),
-            DETECTED: exchange.advertise(DETECTED, BOOL),
-            BLOCKED: exchange.advertise(BLOCKED, STRING),
+            topic: transport.advertise(topic, type_)
+            for topic, type_ in PERCEPT_TOPICS.items()
+            if topic != START
         }
+        self._topics[START] = transport.advertise(START, BOOL, heard=self._start, latched=1)
         for topic, (type_, _) in COMMANDS.items():
-            exchange.listen(topic, type_, partial(self._command, topic))
-        exchange.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
-        exchange.provide("/ariac/set_human_safe_zone_penalty", "std_srvs/Trigger", self._penalise)
+            transport.listen(topic, type_, partial(self._command, topic))
+        transport.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
+        transport.provide("/ariac/set_human_safe_zone_penalty", "std_srvs/Trigger", self._penalise)
         if self._act_command is None:
             cell.signals["events"].watch(self._see)
         else:
@@ -95,19 +97,19 @@ class HumanTopics:
         """
         if self._unanswered is not None:
             topic, data = PERCEPTS[self._unanswered[0]]
-            self._exchange.publish(self._topics[topic], {"data": data})
+            self._transport.publish(self._topics[topic], {"data": data})
 
     def _publish(self, percept: str) -> None:
         """Publish a percept if there is a topic for it."""
         if percept in PERCEPTS:
             topic, data = PERCEPTS[percept]
-            self._exchange.publish(self._topics[topic], {"data": data})
+            self._transport.publish(self._topics[topic], {"data": data})
             if topic == UNSAFE and self._act_command is not None:
                 self._unanswered = (percept, self._cell.now)
 
     def _see(self, event: Event) -> None:
         """Publish the percept of an event of a person with a program."""
-        if event.get("person") != self._person.name:
+        if event.get("person") != self._person:
             return
         if event["kind"] == "violation":
             machine = self._cell.simulation.machines[event["with"]]
@@ -122,35 +124,36 @@ class HumanTopics:
             return
         if self._act_command is None or self._goal is None:
             raise RefusedError(
-                f"{self._person.name} has a mind of their own;"
+                f"{self._person} has a mind of their own;"
                 " give them the personality external to command them"
             )
         if topic == GOAL:
-            take(topic, self._goal, (message["x"], message["y"]), source)
+            self._goal.take((message["x"], message["y"]), source)
         elif not self._is_done(topic):
-            take(topic, self._act_command, action, source)
+            self._act_command.take(action, source)
         if topic in _ANSWERS:
             self._unanswered = None
 
     def _is_done(self, topic: str) -> bool:
         """Return whether the person was already sent home for the violation."""
-        put_home_at = self._person.put_home_at
+        put_home_at = self._cell.simulation.person(self._person).put_home_at
         if topic not in (GO_HOME, GO_HOME_AGV) or self._unanswered is None or put_home_at is None:
             return False
         # At the time of the violation itself the agent comes first (`Person.warn`).
         return self._unanswered[1] <= put_home_at and self._cell.now > put_home_at
 
     def _start(self, message: Values, source: str = "") -> None:
-        if message["data"]:
-            take(START, self._cell.commands[f"people/{self._person.name}/start"], None, source)
+        # A transport may return what the simulation publishes.
+        if message["data"] and self._cell.simulation.person(self._person).started_at is None:
+            self._cell.commands[f"people/{self._person}/start"].take(None, source)
 
-    def _teleport(self, client: Client, __: Values) -> Values:
+    def _teleport(self, client: Caller, __: Values) -> Values:
         self._command(GO_HOME_AGV, {"data": True}, client.name)
-        return {"success": True, "message": f"{self._person.name} is in the safe zone"}
+        return {"success": True, "message": f"{self._person} is in the safe zone"}
 
-    def _penalise(self, _: Client, __: Values) -> Values:
+    def _penalise(self, _: Caller, __: Values) -> Values:
         self._cell.admission.admit("penalty", None)
-        is_counted = self._person.penalise()
+        is_counted = self._cell.simulation.person(self._person).penalise()
         effect = "a penalty, and the gantry is disabled" if is_counted else "counted already"
         penalties = self._cell.simulation.referee.penalties
         return {"success": True, "message": f"{effect}; penalties: {penalties}"}
