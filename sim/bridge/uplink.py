@@ -95,7 +95,7 @@ class ServerLink(Client):
     """Client of another server, which serves the exchange there. Use it with `async with`.
 
     `complain(level, text, id)` is called with each status message of the server, and with faults of
-    its messages.
+    its messages. `handled()` is called after each message.
     """
 
     def __init__(
@@ -103,11 +103,13 @@ class ServerLink(Client):
         socket: ClientConnection,
         exchange: Exchange,
         complain: Callable[[object, str, object], None],
+        handled: Callable[[], None] = lambda: None,
     ) -> None:
         super().__init__("rosbridge", socket.send, Account(Ledger(), self._let_go))
         self._socket = socket
         self._exchange = exchange
         self._complain = complain
+        self._handled = handled
         self._answers: dict[str, asyncio.Future[Values]] = {}
         self._numbers = itertools.count(1)
 
@@ -198,6 +200,7 @@ class ServerLink(Client):
             self._answer(operation)
         else:
             self._exchange.take(self, text)
+        self._handled()
 
     def _answer(self, response: Values) -> None:
         call, values = self._answers.get(str(response.get("id"))), response.get("values")
