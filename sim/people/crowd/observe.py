@@ -236,12 +236,12 @@ class Outlook:
         self._free = (draft, self.others)
         return self.made(draft)
 
-    def aside(self, along: float, side: float, others: Others) -> Swath | None:
+    def aside(self, along: float, side: float, other: int) -> Swath | None:
         """Return the draft of a walk `side` metres to the left after `along` metres of the course.
 
-        None if it is not free of walls and of these `others`.
+        None if it is not free of walls and of all people near except the one in row `other`.
         """
-        return self._foresight.aside(along, side, others.near)
+        return self._foresight.aside(along, side, other)
 
     def made(self, draft: Swath) -> Motion:
         """Return the motion of a draft."""
