@@ -22,7 +22,6 @@ from .discs import Swath
 from .edges import Legs
 from .following import CarFollowing, ChoiceParameters, Passer
 from .grid import Cells
-from .numbers import numbers
 
 if not cython.compiled:
     from math import ceil
@@ -323,15 +322,13 @@ class TrajectoryChoice:
         # At the comfort distance, then at the minimum distance, to either side.
         needed: float = self.walker.radius + at(self.motions.radii)[other.person] + self.motions.gap
         wide: float = needed + self.walker.comfort
-        sides: Numbers = numbers(
-            (
-                level.left - wide,
-                level.left + wide,
-                level.left - needed - _HAIR,
-                level.left + needed + _HAIR,
-                *self.parameters.widths,
-            )
-        )
+        sides: Numbers = room(4 + len(self.parameters.widths))
+        side: Doubles = at(sides)
+        side[0] = level.left - wide
+        side[1] = level.left + wide
+        side[2] = level.left - needed - _HAIR
+        side[3] = level.left + needed + _HAIR
+        put(side, 4, at(self.parameters.widths), 0, len(self.parameters.widths))
         top: float = self.walker.top_speed
         self._add_asides(sides, self.reach + _BEYOND, top, level.along)
         if opposed:

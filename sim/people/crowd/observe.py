@@ -94,6 +94,7 @@ class Outlook:
         self.me = me
         self.now = now
         self.ground = ground
+        self._legs = ground.legs
         self._commitments = commitments
         self._state = me.body.motion.state(now)
         self._others: Others | None = None
@@ -144,7 +145,7 @@ class Outlook:
             ),
             ground.narrow.cells,
             ground.narrow_outside.cells,
-            ground.legs,
+            self._legs,
             GIVEN,
         )
         self.whole = self.walks.course.length
@@ -310,11 +311,11 @@ class Outlook:
             width = 2 * me.radius + GAP
             places = middles(self.standing(width, at, *route))
             # A person must not return to a passed bend because of a person beyond it.
-            k = self.ground.legs.farthest_round(*at, route, places, width)
+            k = self._legs.farthest_round(*at, route, places, width)
             if k >= 0:
                 return route[k:]
             me.goes_round = False
-        k = self.ground.legs.farthest(*at, route)
+        k = self._legs.farthest(*at, route)
         return me.reroute(at) if k < 0 else route[k:]
 
     def send_by(self, route: list[Point]) -> None:
