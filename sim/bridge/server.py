@@ -9,7 +9,7 @@ import logging
 import socket
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from websockets.asyncio.server import Server, ServerConnection, serve
@@ -180,7 +180,6 @@ class RosbridgeServer:
         self._origins = origins or Origins()
         self._ledger = ledger or Ledger()
         self._notices = Notices(notice)
-        self._is_closed = False
         self._slow: set[Client] = set()
         self._numbers = itertools.count(1)
         self._server: Server | None = None
@@ -218,7 +217,6 @@ class RosbridgeServer:
     async def close(self) -> None:
         """Send everything that is waiting, and disconnect all clients."""
         await self.flush(1.0)
-        self._is_closed = True
         if self._server is not None:
             self._server.close()
             await self._server.wait_closed()
@@ -255,6 +253,12 @@ class RosbridgeServer:
             for _ in range(_TURNS):
                 await asyncio.sleep(0)
 
+    def _handle(self, client: Client, text: str | bytes) -> None:
+        self.clients[client].taken()
+        if not client.account.is_closed:
+            client.heard += 1
+            self._exchange.take(client, text)
+
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         """Reject web pages that are not trusted. A client without an origin is accepted."""
         host = ",".join(request.headers.get_all("Host"))
@@ -268,9 +272,10 @@ class RosbridgeServer:
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Report once that there is no room for another client, which asyncio repeats."""
         why = context.get("exception")
+        is_serving = self._server is not None and self._server.is_serving()
         if "socket" in context and isinstance(why, OSError) and why.errno in _EXHAUSTED:
             self._notices.add(f"no more clients are accepted for now: {why.strerror}")
-        elif self._is_closed and "_start_serving" in context.get("message", ""):
+        elif not is_serving and "_start_serving" in context.get("message", ""):
             pass  # asyncio tries to accept clients at a closed socket
         elif self._pass_on is not None:
             self._pass_on(loop, context)
@@ -296,24 +301,11 @@ class RosbridgeServer:
 
         connection.account.let_go = let_go
         self.clients[client] = connection
-        sending = asyncio.create_task(client.send_forever())
         try:
-            async for text in connection:
-                connection.taken()
-                if connection.account.is_closed:
-                    break
-                client.heard += 1
-                self._exchange.take(client, text)
-                # Serve other clients, however much this one sends.
-                await asyncio.sleep(0)
-        except ConnectionClosed:
-            pass
+            await client.attend(connection, partial(self._handle, client))
         except Exception as why:
             self._failed(why)
         finally:
-            sending.cancel()
-            with suppress(asyncio.CancelledError, ConnectionClosed):
-                await sending
             del self.clients[client]
             self._slow.discard(client)
             self._exchange.forget(client)

@@ -6,16 +6,15 @@ import asyncio
 import math
 import socket
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from ..cell import Pace
+from ..cell.admission import Notices
 from ..competition import RefusedError
 from ..competition.machine_topics import TRAJECTORY
 from ..competition.topics import ENDED, STARTED
 from ..live.live_run import LiveRun
 from ..live.page_server import Origins
-from ..simulation import Simulation
 from .client import Client, done_within
 from .exchange import Exchange
 from .rosapi import provide_rosapi
@@ -27,16 +26,6 @@ PERIOD = 0.1
 """Seconds of real time between two requests of the page that are carried out."""
 
 PAUSED = "it is paused on its page"
-
-
-async def attend(viewer: LiveRun, simulation: Simulation) -> None:
-    """Attend to a page until this is cancelled."""
-    try:
-        while True:
-            viewer.attend(simulation)
-            await asyncio.sleep(PERIOD)
-    finally:
-        viewer.leave()
 
 
 LONGEST = 1.0
@@ -98,21 +87,21 @@ class Session:
         if not (math.isfinite(grace) and grace >= 0):
             raise BridgeError(f"grace must be 0 or more seconds, not {grace:g}")
         self._exchange = exchange
-        self._uplink: Uplink | None = None
         self.server: RosbridgeServer | Uplink = RosbridgeServer(
             exchange, left=self._left, failed=self._fail, origins=origins, notice=notice
         )
         self._workcell = workcell
         self._viewer = viewer
+        self._attends_at = 0.0
+        """Real time at which the page is answered again."""
         self._notice = workcell.notice = notice
+        self._notices = Notices(notice)
         self._hold = hold
         self._grace = grace if speed else 0.0
         self._agent_since: float | None = None
         """Real time at which an agent came, until the trial begins."""
-        self._failure: Exception | None = None
         self._stepping: Client | None = None
         self._said = ""
-        self._is_slow = False
         self._changed = asyncio.Event()
         exchange.changed = self._changed.set
         self._pace = pace = Pace(
@@ -172,10 +161,10 @@ class Session:
         """
         if not self._pace.speed:
             raise BridgeError("speed must be more than 0 through another rosbridge server")
-        self.server = self._uplink = Uplink(
+        self.server = uplink = Uplink(
             self._exchange, url, notice=self._notice, changed=self._changed.set, failed=self._fail
         )
-        await self._uplink.open()
+        await uplink.open()
 
     async def run(self) -> None:
         """Advance until the trial is over.
@@ -185,34 +174,23 @@ class Session:
         Exception
             Whatever custom programs of the trial raise.
         """
-        showing = self._show()
+        viewer, simulation = self._viewer, self._workcell.simulation
+        if viewer is not None:
+            viewer.follow(simulation, self._pace)
         try:
-            while not self._is_over:
+            while not self._pace.over:
+                if viewer is not None and _real_time() >= self._attends_at:
+                    self._attends_at = _real_time() + PERIOD
+                    viewer.attend(simulation)
                 await self._continue_run()
-            if self._failure is not None:
-                raise self._failure
             self._pace.check()
             self._workcell.cell.update()
             self._workcell.publish()
             self._workcell.competition.enter(ENDED)
         finally:
-            if showing is not None:
-                showing.cancel()
-                with suppress(asyncio.CancelledError):
-                    await showing
+            if viewer is not None:
+                viewer.leave()
             await self.server.close()
-
-    def _show(self) -> asyncio.Task[None] | None:
-        """Show the run to the viewer from now on."""
-        if self._viewer is None:
-            return None
-        simulation = self._workcell.simulation
-        self._viewer.follow(simulation, self._pace)
-        return asyncio.create_task(attend(self._viewer, simulation))
-
-    @property
-    def _is_over(self) -> bool:
-        return self._pace.over or self._failure is not None
 
     async def _continue_run(self) -> None:
         if await self._is_held():
@@ -228,12 +206,11 @@ class Session:
     async def _keep_pace(self) -> None:
         pace = self._pace
         self._catch_up()
-        if self._is_over:
+        if self._pace.over:
             return
         delay = pace.delay()
-        if pace.give_up() and not self._is_slow:
-            self._is_slow = True
-            self._notice(f"this machine is too slow for --speed {pace.speed:g}")
+        if pace.give_up():
+            self._notices.add(f"this machine is too slow for --speed {pace.speed:g}", "slow")
         await asyncio.sleep(min(max(delay, 0.0), LONGEST_NAP))
 
     async def _step(self) -> None:
@@ -253,7 +230,7 @@ class Session:
             self._pace.catch_up(LONGEST)
 
     def _fail(self, failure: Exception) -> None:
-        self._failure = self._failure or failure
+        self._pace.failure = self._pace.failure or failure
         self._changed.set()
 
     def _missing(self) -> str:
@@ -263,8 +240,8 @@ class Session:
             return PAUSED
         if self._hold:
             return "nobody has called /ariac/start_competition"
-        if self._uplink is not None:
-            return "" if clients else f"there is no connection to {self._uplink.url}"
+        if isinstance(self.server, Uplink):
+            return "" if clients else f"there is no connection to {self.server.url}"
         for person in self._workcell.external:
             if not any(self._is_agent(client, person.name) for client in clients):
                 self._agent_since = None
@@ -360,13 +337,13 @@ class Session:
             raise RefusedError("no person is driven from outside")
         if self._stepping not in (None, client):
             raise RefusedError("another client steps through time")
-        if not self._is_over:
+        if not self._pace.over:
             workcell.cell.admission.admit("/floorwalker/advance", None)
         self._stepping = client
         self._changed.set()
         if request["until"] >= workcell.now:
             workcell.external[0].decide_by(request["until"])
-            while not self._is_over:
+            while not self._pace.over:
                 if await self._is_held():
                     continue
                 self._begin()
@@ -374,7 +351,7 @@ class Session:
                     break
                 await self.server.flush(PATIENCE)
                 await asyncio.sleep(0)
-        return {"time": workcell.now, "ended": self._is_over}
+        return {"time": workcell.now, "ended": self._pace.over}
 
 
 def _real_time() -> float:

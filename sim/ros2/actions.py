@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from rclpy.action import CancelResponse, GoalResponse
@@ -10,38 +11,33 @@ from rclpy.task import Future
 
 from ..cell import Running
 from ..cell.tasks import SUCCEEDED
+from ..competition import Values
+from .messages import filled
 from .node import CellNode
 
 
+@dataclass(eq=False, kw_only=True)
 class Action:
     """Action that starts a task for each goal.
 
-    `start(goal)` returns the task, or raises `Rejected`. `fill(feedback, task)` fills in feedback,
-    and `conclude(result, task)` a result. The result of a failure has the error code `failed`.
+    `start(goal)` returns the task, or raises `Rejected`. `feedback(task)` and `result(task)` return
+    their messages. The result of a failure has the error code `failed`.
     """
 
-    def __init__(
-        self,
-        ros: CellNode,
-        name: str,
-        interface: str,
-        *,
-        start: Callable[[Any], Running],
-        fill: Callable[[Any, Running], None],
-        failed: int,
-        conclude: Callable[[Any, Running], None] = lambda result, running: None,
-    ) -> None:
-        self._ros = ros
-        self._name = name
-        self._start = start
-        self._fill = fill
-        self._failed = failed
-        self._conclude = conclude
+    ros: CellNode
+    name: str
+    type_: str
+    start: Callable[[Any], Running]
+    feedback: Callable[[Running], Values]
+    result: Callable[[Running], Values] = lambda running: {}
+    failed: int
+
+    def __post_init__(self) -> None:
         self._accepted: Running | None = None
         self._running: dict[bytes, tuple[Any, Running]] = {}
-        self._type = ros.provide_action(
-            name,
-            interface,
+        self._type = self.ros.provide_action(
+            self.name,
+            self.type_,
             execute_callback=self._execute,
             goal_callback=self._take,
             handle_accepted_callback=self._begin,
@@ -56,16 +52,13 @@ class Action:
     def publish(self) -> None:
         """Publish feedback on all goals under way."""
         for handle, running in self._running.values():
-            if running.ended:  # its result is sent soon
-                continue
-            feedback = self._type.Feedback()
-            self._fill(feedback, running)
-            handle.publish_feedback(feedback)
+            if not running.ended:  # otherwise its result is sent soon
+                handle.publish_feedback(filled(self._type.Feedback(), self.feedback(running)))
 
     def _take(self, goal: Any) -> GoalResponse:
         self._accepted = None
-        with self._ros.rejecting(self._name):
-            self._accepted = self._start(goal)
+        with self.ros.rejecting(self.name):
+            self._accepted = self.start(goal)
         return GoalResponse.REJECT if self._accepted is None else GoalResponse.ACCEPT
 
     def _begin(self, handle: Any) -> None:
@@ -75,7 +68,7 @@ class Action:
         handle.execute()
 
     def _cancel(self, handle: Any) -> CancelResponse:
-        with self._ros.rejecting(self._name):
+        with self.ros.rejecting(self.name):
             self._running[bytes(handle.goal_id.uuid)][1].cancel()
         return CancelResponse.ACCEPT
 
@@ -85,16 +78,13 @@ class Action:
         running.on_end(lambda _: end.set_result(None))
         await end
         del self._running[bytes(handle.goal_id.uuid)]
-        result, outcome = self._type.Result(), str(running.result)
-        self._conclude(result, running)
+        outcome, values = str(running.result), self.result(running)
         if handle.is_cancel_requested:
             handle.canceled()
         elif outcome == SUCCEEDED:
             handle.succeed()
         else:
             handle.abort()
-            self._ros.warn(self._name, outcome)
-            result.error_code = self._failed
-            for text in {"error_msg", "error_string"} & result.get_fields_and_field_types().keys():
-                setattr(result, text, outcome)
-        return result
+            self.ros.warn(self.name, outcome)
+            values |= {"error_code": self.failed, "error_msg": outcome, "error_string": outcome}
+        return filled(self._type.Result(), values)
