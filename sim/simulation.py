@@ -590,7 +590,10 @@ class Simulation(InProgress):
             return {}
         from .safety.fields.guard import FieldGuard  # most trials have no fields
 
-        people = [(person, person.walker.human.radius) for person in self._company.people]
+        people = [
+            (person, person.walker.human.radius, self.referee.watches_of(person))
+            for person in self._company.people
+        ]
         guards = {
             name: FieldGuard(self._stage, self.machines[name], fields, people)
             for name, fields in self.trial.fields.items()

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -67,6 +67,12 @@ def parse_literal(source: str) -> Literal:
     >>> bdi.parse_literal("at(station2)").functor
     'at'
     """
+    return _literal(source)
+
+
+@lru_cache(maxsize=4096)
+def _literal(source: str) -> Literal:
+    # Cached because a trial reads each belief twice: in its check and for its agent.
     clause = _parse_part(source)
     if isinstance(clause, Belief):
         return clause.belief

@@ -21,6 +21,8 @@ cdef class Movers(DiscMotions):
     cdef readonly double now
     cdef readonly list[Py_ssize_t] indices
     cdef bytearray among
+    cpdef move(self, Py_ssize_t k, Swath swath)
+    cpdef keep(self, Py_ssize_t count)
     cdef double own(self, Py_ssize_t k) noexcept
     cpdef bint meet(self, Py_ssize_t k, Swath swath) noexcept
     cpdef bint meets(self, Py_ssize_t i, Swath swath, double own) noexcept

@@ -5,6 +5,7 @@ from navigation.kernels.fields cimport distance_to_edge, edge_passes, side_of
 
 cdef double _RESOLUTION, _STEP, _NEARLY
 
+cdef BoundingBox extent_from(Numbers table, double begin) noexcept
 cpdef tuple places(Numbers table, double begin)
 
 cdef class OutlineSearch:

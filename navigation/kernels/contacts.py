@@ -27,26 +27,26 @@ _STEP: float = 1e-5  # seconds; minimum time between two evaluations of a distan
 _NEARLY: float = 0.999  # share of the distance at which two bodies have parted
 
 
-def places(table: Numbers, begin: float) -> tuple[float, float, float, float]:
+def extent_from(table: Numbers, begin: float) -> BoundingBox:
     """Return the bounds of the places on a motion from `begin` (seconds) on."""
     rows: cython.Py_ssize_t = pose_count(table)
     k: cython.Py_ssize_t = min(pose_at(table, begin), rows - 1)
-    low_x: float = INFINITY
-    low_y: float = INFINITY
-    high_x: float = -INFINITY
-    high_y: float = -INFINITY
+    extent: BoundingBox = BoundingBox(INFINITY, INFINITY, -INFINITY, -INFINITY)
     while k < rows:
         piece: PosePiece = poses(table)[k]
         u: float = min(max(begin - piece.begin, 0.0), piece.end - piece.begin)
         left: float = piece.end - piece.begin - u
         x: Range = range_of(shift(piece.x, u), left)
         y: Range = range_of(shift(piece.y, u), left)
-        low_x = min(low_x, x.low)
-        low_y = min(low_y, y.low)
-        high_x = max(high_x, x.high)
-        high_y = max(high_y, y.high)
+        extent = united(extent, BoundingBox(x.low, y.low, x.high, y.high))
         k += 1
-    return low_x, low_y, high_x, high_y
+    return extent
+
+
+def places(table: Numbers, begin: float) -> tuple[float, float, float, float]:
+    """Return the bounds of the places on a motion: minimum x and y, maximum x and y (metres)."""
+    extent: BoundingBox = extent_from(table, begin)
+    return extent.low_x, extent.low_y, extent.high_x, extent.high_y
 
 
 class OutlineSearch:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,12 +84,3 @@ class NearestDiscs(NamedTuple):
     other: int
     time: int
     distance: float
-
-
-class Retreat(NamedTuple):
-    """Walk of a retreat (`Swath`) or None, index of its place, an obstacle, and trials."""
-
-    walk: Any
-    place: int
-    obstacle: int
-    trials: int

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
 
-from ..cell import Cell, CellTask, Pose, Scan, Signal, Velocity
+from ..cell import Cell, CellTask, Pose, Signal
 from ..cell.names import plain, prefix_of
-from ..cell.signals import SCANS
-from ..competition.messages import about_z, header, vector
+from ..competition.messages import header, laser_scan, odometry, pose_message, pose_of
 from ..competition.transport import Values
 from .exchange import Exchange, Topic
 
@@ -24,7 +22,7 @@ def add_body_topics(cell: Cell, exchange: Exchange) -> None:
         "geometry_msgs/PoseArray",
         lambda: {
             "header": header(cell.now),
-            "poses": [_pose(pose) for one in poses if (pose := one.read())],
+            "poses": [pose_message(pose) for one in poses if (pose := one.read())],
         },
     )
     for body in (*(f"machines/{name}" for name in cell.simulation.machines), *people):
@@ -75,46 +73,21 @@ def _add_inputs(cell: Cell, exchange: Exchange, body: str, prefix: str) -> None:
 
 def _go(task: CellTask, ended: partial[None], message: Values, source: str) -> None:
     """Start a task at a goal, and publish its result."""
-    position, turn = message["pose"]["position"], message["pose"]["orientation"]
-    heading = 2 * math.atan2(turn["z"], turn["w"]) if any(turn.values()) else 0.0
-    task.start(Pose(position["x"], position["y"], heading), source).on_end(ended)
+    task.start(pose_of(message["pose"]), source).on_end(ended)
 
 
 def _send_text(exchange: Exchange, topic: Topic, text: str) -> None:
     exchange.publish(topic, {"data": text})
 
 
-def _pose(pose: Pose) -> Values:
-    return {"position": vector((pose.x, pose.y)), "orientation": about_z(pose.heading)}
-
-
 def _odometry(cell: Cell, frame: str, pose: Signal, velocity: Signal) -> Values | None:
-    """Return nav_msgs/Odometry, with the velocity in the frame of the body."""
+    """Return nav_msgs/Odometry of a body that is on the floor."""
     here: Pose | None = pose.read()
     if here is None:
         return None
-    seen: Velocity = velocity.read().seen_at(here.heading)
-    twist = {"linear": vector((seen.x, seen.y)), "angular": vector((0.0, 0.0), seen.turn)}
-    return {
-        "header": header(cell.now),
-        "child_frame_id": frame,
-        "pose": {"pose": _pose(here), "covariance": [0.0] * 36},
-        "twist": {"twist": twist, "covariance": [0.0] * 36},
-    }
+    return odometry(cell.now, "world", frame, here, velocity.read().seen_at(here.heading))
 
 
 def _laser_scan(cell: Cell, frame: str, signal: Signal) -> Values:
-    """Return sensor_msgs/LaserScan. JSON has no infinity, so it is the range where nothing is."""
-    scan: Scan = signal.read()
-    return {
-        "header": header(cell.now, frame),
-        "angle_min": scan.first,
-        "angle_max": scan.first + math.tau - scan.step,
-        "angle_increment": scan.step,
-        "time_increment": 0.0,
-        "scan_time": 1 / SCANS,
-        "range_min": 0.0,
-        "range_max": scan.reach,
-        "ranges": scan.distances.tolist(),
-        "intensities": [],
-    }
+    # JSON has no infinity, so a range is the maximum where nothing is.
+    return laser_scan(cell.now, frame, signal.read())

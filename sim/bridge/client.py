@@ -6,8 +6,11 @@ import asyncio
 import itertools
 import sys
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterable, Awaitable, Callable
+from contextlib import suppress
 from typing import Any
+
+from websockets.exceptions import ConnectionClosed
 
 from .protocol import LEVELS, Account, Level, Reassembly, Subscribe, fragments, size_of, status
 
@@ -226,6 +229,23 @@ class Client:
         """Send a status message, if the client gets messages of this level."""
         if LEVELS.index(level) <= LEVELS.index(self.level):
             self.outbox.reply(status(level, message, id))
+
+    async def attend(
+        self, texts: AsyncIterable[str | bytes], handle: Callable[[str | bytes], None]
+    ) -> None:
+        """Handle the messages of the client until its connection ends, and send the outbox."""
+        sending = asyncio.create_task(self.send_forever())
+        try:
+            async for text in texts:
+                handle(text)
+                # Serve other clients, however much this one sends.
+                await asyncio.sleep(0)
+        except ConnectionClosed:
+            pass
+        finally:
+            sending.cancel()
+            with suppress(asyncio.CancelledError, ConnectionClosed):
+                await sending
 
     async def send_forever(self) -> None:
         """Send the messages of the outbox until this is cancelled."""

@@ -22,9 +22,6 @@ from .protocol import ProtocolError
 MOST_TOPICS = 1000
 """Number of topics that all clients may create, and to which one may subscribe."""
 
-MOST_CALLS = 100
-"""Number of service calls of one client at the same time."""
-
 
 Answer = Values | Coroutine[Any, Any, Values]
 Serve = Callable[[Client, Values], Answer]
@@ -291,9 +288,6 @@ class Exchange:
             answer = str(why)
         if isinstance(answer, dict | str):
             self._respond(client, request, answer)
-        elif len(client.calls) >= MOST_CALLS:
-            answer.close()
-            self._respond(client, request, f"{MOST_CALLS} calls are the maximum")
         else:
             client.begin_call(asyncio.ensure_future(self._await(client, request, answer)))
 

@@ -46,10 +46,9 @@ _PERCEPT_OF = {heard: percept for percept, heard in PERCEPTS.items()}
 class RemotePerson:
     """Body of an agent at another rosbridge server.
 
-    Its percepts go to `mind`, and `act` carries out actions. `perceived()` is called for new
-    percepts. The floor is that of `trial`. With `waypoints`, it plans paths and sends their
-    waypoints one by one, instead of a goal for the navigation at the other end. `now()` is the
-    time there (s).
+    Its percepts go to `mind`, and `act` carries out actions. The floor is that of `trial`. With
+    `waypoints`, it plans paths and sends their waypoints one by one, instead of a goal for the
+    navigation at the other end. `now` is the time there (s).
     """
 
     def __init__(
@@ -59,14 +58,11 @@ class RemotePerson:
         mind: Mind,
         *,
         waypoints: bool,
-        now: Callable[[], float],
-        perceived: Callable[[], None],
         notice: Callable[[str], None],
     ) -> None:
         self.name = entry.name
         self._rules = trial.rules
-        self._now = now
-        self._perceived = perceived
+        self.now = 0.0
         self._notice = notice
         self._waypoints = waypoints
         self._radius = entry.radius or trial.floorplan.human.radius
@@ -120,9 +116,8 @@ class RemotePerson:
     def _start(self) -> None:
         if not self._started:
             self._started = True
-            self._noticing.start_over(self._now())
+            self._noticing.start_over(self.now)
             self._percepts.see("human_start")
-            self._perceived()
 
     def _take(self, percept: str) -> None:
         """Pass a percept of a topic to the mind."""
@@ -137,15 +132,11 @@ class RemotePerson:
             return
         if percept.startswith("gantry") and self._gantry is not None:
             self._percepts.see("gantry_at", *self._gantry)
-        self._count(percept)
-
-    def _count(self, percept: str) -> None:
         self._percepts.count(percept)
-        self._perceived()
 
     def _is_repeated(self, percept: str) -> bool:
         """Return whether a violation has been perceived. The original reports it at 10 Hz."""
-        now = self._now()
+        now = self.now
         if now < self._quiet_until:
             return True
         if DETECTED in self._offered:
@@ -167,7 +158,7 @@ class RemotePerson:
             return
         distance = math.dist(self._at, self._gantry)
         speeds = (math.hypot(*_place(state[f"{one}_velocity"])) for one in ("human", "robot"))
-        if self._noticing.see(self._now(), distance, *speeds):
+        if self._noticing.see(self.now, distance, *speeds):
             self._take("gantry_detected")
 
     def _place_agv(self, name: str, status: Values, _: str) -> None:
@@ -188,7 +179,7 @@ class RemotePerson:
             return self._move_to_gantry()
         if name in ("teleport_safe", "teleport_agv"):
             self._ahead.clear()
-            self._noticing.start_over(self._now())
+            self._noticing.start_over(self.now)
             return self._send(GO_HOME, data=name == "teleport_safe")
         if ACTION in self._topics:
             return self._send(ACTION, data=str(action))
@@ -220,7 +211,7 @@ class RemotePerson:
         try:
             path = self._planner.plan(self._at, goal)
         except PlanningError as why:
-            self._count("goal_blocked" if why.reason == "goal_blocked" else "path_blocked")
+            self._percepts.count("goal_blocked" if why.reason == "goal_blocked" else "path_blocked")
             return False
         self._ahead = [(float(x), float(y)) for x, y in path.points[1:]] or [goal]
         return self._send_goal(self._ahead.pop(0))
@@ -303,17 +294,16 @@ class RemoteAgent:
         self._url = url
         self._notice = notice
         self._did = did
-        self._now = 0.0
         self._ended = False
-        self._in_steps = False
-        self._is_thinking = False
+        self._goes_along = False
+        """Whether the agent follows the time of the server, or real time."""
         self._clock_ahead = 0.0
         self._has_clock = False
         self._agent = make_agent(
             entry,
             trial,
             act=self._act,
-            print=lambda text: said(self._now, text),
+            print=lambda text: said(self._person.now, text),
             settings=bdi.AgentSettings(on_event=self._pass_on_warning, kinds=("warning",)),
         )
         self._person = RemotePerson(
@@ -321,8 +311,6 @@ class RemoteAgent:
             entry,
             self._agent,
             waypoints=waypoints,
-            now=lambda: self._now,
-            perceived=self._think,
             notice=notice,
         )
 
@@ -332,22 +320,23 @@ class RemoteAgent:
         async for socket in connections(first, self._url, self._notice):
             exchange = Exchange()
             with suppress(LostError):
-                async with ServerLink(socket, exchange, self._complain) as link:
+                async with ServerLink(socket, exchange, self._complain, self._think) as link:
                     await self._drive(link, exchange)
             if self._ended:
                 return
 
     async def _drive(self, link: ServerLink, exchange: Exchange) -> None:
+        self._goes_along = False
         topics = await _listed(link, "topics")
         services = await _listed(link, "services")
-        self._in_steps = "/floorwalker/advance" in services and await self._may_step(link)
+        in_steps = "/floorwalker/advance" in services and await self._may_step(link)
         self._has_clock = "/clock" in topics
         exchange.listen("/ariac/competition_state", "ariac_msgs/CompetitionState", self._enter)
-        if self._has_clock and not self._in_steps:
+        if self._has_clock and not in_steps:
             exchange.listen("/clock", "rosgraph_msgs/Clock", self._tick)
-        self._person.connect(exchange, topics, repeats=not self._in_steps)
+        self._person.connect(exchange, topics, repeats=not in_steps)
         link.offer()
-        if self._in_steps:
+        if in_steps:
             await self._go_in_steps(link)
         else:
             await self._go_along(link)
@@ -364,46 +353,43 @@ class RemoteAgent:
             wakeup = self._agent.next_wakeup
             until = FOREVER if wakeup is None else wakeup
             answer = await link.call("/floorwalker/advance", {"until": until}, None)
-            self._now = float(answer["time"])
+            self._person.now = float(answer["time"])
             self._ended = bool(answer["ended"])
             if not self._ended:
-                self._agent.advance(self._now)
+                self._agent.advance(self._person.now)
 
     async def _go_along(self, link: ServerLink) -> None:
         loop = asyncio.get_running_loop()
-        begin = loop.time() - self._now
+        begin = loop.time() - self._person.now
+        self._goes_along = True
         self._think()
         while not self._ended:
             if self._has_clock:
                 await link.wait(1.0)
                 continue
             wakeup = self._agent.next_wakeup
-            await link.wait(0.1 if wakeup is None else min(max(wakeup - self._now, 0.0), 0.1))
-            self._now = max(self._now, loop.time() - begin)
+            await link.wait(
+                0.1 if wakeup is None else min(max(wakeup - self._person.now, 0.0), 0.1)
+            )
+            self._person.now = max(self._person.now, loop.time() - begin)
             self._think()
 
     def _tick(self, message: Values, _: str = "") -> None:
         stamp = message["clock"]
         time = stamp["sec"] + stamp["nanosec"] / 1e9 + self._clock_ahead
-        if time < self._now:
+        if time < self._person.now:
             # A simulation that has started again. The agent's time continues.
-            self._notice(f"/clock goes back from {self._now:g} s to {time:g} s")
-            self._clock_ahead += self._now - time
-        self._now = max(self._now, time)
-        self._think()
+            self._notice(f"/clock goes back from {self._person.now:g} s to {time:g} s")
+            self._clock_ahead += self._person.now - time
+        self._person.now = max(self._person.now, time)
 
     def _think(self) -> None:
-        """Advance the agent. In steps, `_go_in_steps` does this."""
-        if self._in_steps or self._is_thinking:
-            return
-        self._is_thinking = True
-        try:
-            self._agent.advance(self._now)
-        finally:
-            self._is_thinking = False
+        """Advance the agent, after each message. In steps, `_go_in_steps` does this."""
+        if self._goes_along:
+            self._agent.advance(self._person.now)
 
     def _act(self, action: bdi.Literal) -> bool:
-        self._did(self._now, action)
+        self._did(self._person.now, action)
         return self._person.act(action)
 
     def _enter(self, message: Values, _: str) -> None:

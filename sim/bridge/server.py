@@ -9,7 +9,7 @@ import logging
 import socket
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from websockets.asyncio.server import Server, ServerConnection, serve
@@ -255,6 +255,12 @@ class RosbridgeServer:
             for _ in range(_TURNS):
                 await asyncio.sleep(0)
 
+    def _handle(self, client: Client, text: str | bytes) -> None:
+        self.clients[client].taken()
+        if not client.account.is_closed:
+            client.heard += 1
+            self._exchange.take(client, text)
+
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         """Reject web pages that are not trusted. A client without an origin is accepted."""
         host = ",".join(request.headers.get_all("Host"))
@@ -296,24 +302,11 @@ class RosbridgeServer:
 
         connection.account.let_go = let_go
         self.clients[client] = connection
-        sending = asyncio.create_task(client.send_forever())
         try:
-            async for text in connection:
-                connection.taken()
-                if connection.account.is_closed:
-                    break
-                client.heard += 1
-                self._exchange.take(client, text)
-                # Serve other clients, however much this one sends.
-                await asyncio.sleep(0)
-        except ConnectionClosed:
-            pass
+            await client.attend(connection, partial(self._handle, client))
         except Exception as why:
             self._failed(why)
         finally:
-            sending.cancel()
-            with suppress(asyncio.CancelledError, ConnectionClosed):
-                await sending
             del self.clients[client]
             self._slow.discard(client)
             self._exchange.forget(client)

@@ -6,7 +6,6 @@ import asyncio
 import math
 import socket
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from ..cell import Pace
@@ -15,7 +14,6 @@ from ..competition.machine_topics import TRAJECTORY
 from ..competition.topics import ENDED, STARTED
 from ..live.live_run import LiveRun
 from ..live.page_server import Origins
-from ..simulation import Simulation
 from .client import Client, done_within
 from .exchange import Exchange
 from .rosapi import provide_rosapi
@@ -27,16 +25,6 @@ PERIOD = 0.1
 """Seconds of real time between two requests of the page that are carried out."""
 
 PAUSED = "it is paused on its page"
-
-
-async def attend(viewer: LiveRun, simulation: Simulation) -> None:
-    """Attend to a page until this is cancelled."""
-    try:
-        while True:
-            viewer.attend(simulation)
-            await asyncio.sleep(PERIOD)
-    finally:
-        viewer.leave()
 
 
 LONGEST = 1.0
@@ -104,6 +92,8 @@ class Session:
         )
         self._workcell = workcell
         self._viewer = viewer
+        self._attends_at = 0.0
+        """Real time at which the page is answered again."""
         self._notice = workcell.notice = notice
         self._hold = hold
         self._grace = grace if speed else 0.0
@@ -185,9 +175,14 @@ class Session:
         Exception
             Whatever custom programs of the trial raise.
         """
-        showing = self._show()
+        viewer, simulation = self._viewer, self._workcell.simulation
+        if viewer is not None:
+            viewer.follow(simulation, self._pace)
         try:
             while not self._is_over:
+                if viewer is not None and _real_time() >= self._attends_at:
+                    self._attends_at = _real_time() + PERIOD
+                    viewer.attend(simulation)
                 await self._continue_run()
             if self._failure is not None:
                 raise self._failure
@@ -196,19 +191,9 @@ class Session:
             self._workcell.publish()
             self._workcell.competition.enter(ENDED)
         finally:
-            if showing is not None:
-                showing.cancel()
-                with suppress(asyncio.CancelledError):
-                    await showing
+            if viewer is not None:
+                viewer.leave()
             await self.server.close()
-
-    def _show(self) -> asyncio.Task[None] | None:
-        """Show the run to the viewer from now on."""
-        if self._viewer is None:
-            return None
-        simulation = self._workcell.simulation
-        self._viewer.follow(simulation, self._pace)
-        return asyncio.create_task(attend(self._viewer, simulation))
 
     @property
     def _is_over(self) -> bool:

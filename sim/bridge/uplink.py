@@ -15,7 +15,7 @@ from contextlib import suppress
 from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
+from websockets.exceptions import InvalidHandshake, InvalidURI
 
 from floorplan import UserError
 
@@ -95,7 +95,7 @@ class ServerLink(Client):
     """Client of another server, which serves the exchange there. Use it with `async with`.
 
     `complain(level, text, id)` is called with each status message of the server, and with faults of
-    its messages.
+    its messages. `handled()` is called after each message.
     """
 
     def __init__(
@@ -103,17 +103,18 @@ class ServerLink(Client):
         socket: ClientConnection,
         exchange: Exchange,
         complain: Callable[[object, str, object], None],
+        handled: Callable[[], None] = lambda: None,
     ) -> None:
         super().__init__("rosbridge", socket.send, Account(Ledger(), self._let_go))
         self._socket = socket
         self._exchange = exchange
         self._complain = complain
+        self._handled = handled
         self._answers: dict[str, asyncio.Future[Values]] = {}
         self._numbers = itertools.count(1)
 
     async def __aenter__(self) -> ServerLink:
-        """Start to handle messages of the server."""
-        self._sending = asyncio.create_task(self._send_all())
+        """Start to handle messages of the server, and to send messages."""
         self._reading = asyncio.create_task(self._read())
         return self
 
@@ -121,9 +122,8 @@ class ServerLink(Client):
         """Send everything that is waiting, and disconnect."""
         if kind is None:
             await self.idle(PATIENCE)
-        for task in (self._reading, self._sending):
-            task.cancel()
-        await asyncio.gather(self._reading, self._sending, return_exceptions=True)
+        self._reading.cancel()
+        await asyncio.gather(self._reading, return_exceptions=True)
         self._exchange.forget(self)
         await self._socket.close()
 
@@ -181,15 +181,9 @@ class ServerLink(Client):
     def _let_go(self, why: str) -> None:
         self._closing = asyncio.ensure_future(self._socket.close())
 
-    async def _send_all(self) -> None:
-        with suppress(ConnectionClosed):
-            await self.send_forever()
-
     async def _read(self) -> None:
         """Handle messages. Errors of the exchange are raised in `call` and `wait`."""
-        with suppress(ConnectionClosed):
-            async for text in self._socket:
-                self.take(text)
+        await self.attend(self._socket, self.take)
         raise LostError("the connection broke off")
 
     def take(self, text: str | bytes) -> None:
@@ -206,6 +200,7 @@ class ServerLink(Client):
             self._answer(operation)
         else:
             self._exchange.take(self, text)
+        self._handled()
 
     def _answer(self, response: Values) -> None:
         call, values = self._answers.get(str(response.get("id"))), response.get("values")

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 from floorplan import UserError
 
-from ..cell import Cell, Pace
+from ..cell import Cell, Pace, Pose
 from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.human_topics import COMMANDS, START
-from ..competition.messages import about_z, header, seconds, vector
+from ..competition.messages import seconds, transform
 from ..core.body import Body
 from ..core.recorder import Listener
 from ..people.minds import Outside
@@ -130,14 +130,7 @@ class Workcell:
         """Return tf2_msgs/TFMessage from the world to all frames."""
         return {
             "transforms": [
-                {
-                    "header": header(self.now),
-                    "child_frame_id": name,
-                    "transform": {
-                        "translation": vector(body.state.position, height),
-                        "rotation": about_z(body.state.position[2]),
-                    },
-                }
+                transform(self.now, "world", name, Pose.of(body.state), height)
                 for name, body, height in self._frames
             ]
         }

@@ -9,7 +9,7 @@ from floorplan import Lane
 from ..cell import Cell, JointPoint, JointTrajectory
 from ..machines.gantry.robot import GantryRobot
 from ..people.programs import EXTERNAL
-from .messages import LOCATIONS, agv_status, joint_state
+from .messages import LOCATIONS, agv_status, joint_state, seconds_of
 from .transport import Caller, RefusedError, Transport, Values
 
 TRAJECTORY = "gantry_controller/joint_trajectory"
@@ -52,7 +52,7 @@ def trajectory_of(message: Values) -> JointTrajectory:
         JointPoint(
             tuple(point["positions"]),
             tuple(point["velocities"]),
-            point["time_from_start"]["sec"] + point["time_from_start"]["nanosec"] / 1e9,
+            seconds_of(point["time_from_start"]),
         )
         for point in message["points"]
     ]

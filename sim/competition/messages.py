@@ -10,6 +10,8 @@ from floorplan import Floorplan, Gantry, Lane
 from navigation.machines import lane_state
 from navigation.motion import State
 
+from ..cell import Pose, Rejected, Scan, Velocity
+from ..cell.signals import SCANS
 from ..cell.trajectories import JOINTS, joint_values
 from ..orders.workload import AssemblyTask, KittingTask, Order, PartType
 
@@ -38,9 +40,75 @@ def seconds(t: float) -> Message:
     return {"sec": whole, "nanosec": nanoseconds}
 
 
+def seconds_of(stamp: Message) -> float:
+    """Return a time or duration (builtin_interfaces) in seconds."""
+    return float(stamp["sec"] + stamp["nanosec"] * 1e-9)
+
+
 def header(t: float, frame: str = "world") -> Message:
     """Return std_msgs/Header of a time (s) and a frame."""
     return {"stamp": seconds(t), "frame_id": frame}
+
+
+def pose_message(pose: Pose) -> Message:
+    """Return geometry_msgs/Pose."""
+    return {"position": vector((pose.x, pose.y)), "orientation": about_z(pose.heading)}
+
+
+def pose_of(message: Message) -> Pose:
+    """Return a geometry_msgs/Pose. Its heading is 0 without an orientation."""
+    x, y, z, w = (message["orientation"][part] for part in "xyzw")
+    norm = math.hypot(x, y, z, w)
+    if not norm < math.inf:
+        raise Rejected("orientation", (x, y, z, w), "must be a rotation")
+    heading = math.atan2(2 * (w * z + x * y), norm * norm - 2 * (y * y + z * z))
+    return Pose(message["position"]["x"], message["position"]["y"], heading)
+
+
+def twist_message(velocity: Velocity) -> Message:
+    """Return geometry_msgs/Twist."""
+    return {
+        "linear": vector((velocity.x, velocity.y)),
+        "angular": vector((0.0, 0.0), velocity.turn),
+    }
+
+
+def transform(t: float, parent: str, child: str, pose: Pose, z: float = 0.0) -> Message:
+    """Return geometry_msgs/TransformStamped of a pose at a height (m) in the frame `parent`."""
+    return {
+        "header": header(t, parent),
+        "child_frame_id": child,
+        "transform": {
+            "translation": vector((pose.x, pose.y), z),
+            "rotation": about_z(pose.heading),
+        },
+    }
+
+
+def odometry(t: float, frame: str, child: str, pose: Pose, velocity: Velocity) -> Message:
+    """Return nav_msgs/Odometry. The velocity is in the frame of the body, `child`."""
+    return {
+        "header": header(t, frame),
+        "child_frame_id": child,
+        "pose": {"pose": pose_message(pose), "covariance": [0.0] * 36},
+        "twist": {"twist": twist_message(velocity), "covariance": [0.0] * 36},
+    }
+
+
+def laser_scan(t: float, frame: str, scan: Scan) -> Message:
+    """Return sensor_msgs/LaserScan. Ranges are the maximum where nothing is."""
+    return {
+        "header": header(t, frame),
+        "angle_min": scan.first,
+        "angle_max": scan.first + math.tau - scan.step,
+        "angle_increment": scan.step,
+        "time_increment": 0.0,
+        "scan_time": 1 / SCANS,
+        "range_min": 0.0,
+        "range_max": scan.reach,
+        "ranges": scan.distances.tolist(),
+        "intensities": [],
+    }
 
 
 def human_state(person: State, robot: State | None, robot_height: float) -> Message:

@@ -26,6 +26,10 @@ Read = Callable[[], Values | None]
 """Returns the present message of a topic, if there is one."""
 
 
+Answer = Callable[[Any, Values], Values]
+"""Answers a request of a `Caller`. It may raise `Rejected` or `RefusedError`."""
+
+
 class Caller(Protocol):
     """Client that calls a service."""
 
@@ -59,7 +63,7 @@ class Transport(Protocol):
         self,
         name: str,
         type_: str,
-        answer: Callable[[Any, Values], Values],
+        answer: Answer,
         request: Mapping[str, str] | None = None,
     ) -> None:
         """Add a service. `answer` gets the caller and the request.

@@ -10,38 +10,40 @@ from rclpy.task import Future
 
 from ..cell import Running
 from ..cell.tasks import SUCCEEDED
+from ..competition import Values
+from .messages import filled
 from .node import CellNode
 
 
 class Action:
     """Action that starts a task for each goal.
 
-    `start(goal)` returns the task, or raises `Rejected`. `fill(feedback, task)` fills in feedback,
-    and `conclude(result, task)` a result. The result of a failure has the error code `failed`.
+    `start(goal)` returns the task, or raises `Rejected`. `feedback(task)` and `result(task)` return
+    their messages. The result of a failure has the error code `failed`.
     """
 
     def __init__(
         self,
         ros: CellNode,
         name: str,
-        interface: str,
+        type_: str,
         *,
         start: Callable[[Any], Running],
-        fill: Callable[[Any, Running], None],
+        feedback: Callable[[Running], Values],
+        result: Callable[[Running], Values] = lambda running: {},
         failed: int,
-        conclude: Callable[[Any, Running], None] = lambda result, running: None,
     ) -> None:
         self._ros = ros
         self._name = name
         self._start = start
-        self._fill = fill
+        self._feedback = feedback
+        self._result = result
         self._failed = failed
-        self._conclude = conclude
         self._accepted: Running | None = None
         self._running: dict[bytes, tuple[Any, Running]] = {}
         self._type = ros.provide_action(
             name,
-            interface,
+            type_,
             execute_callback=self._execute,
             goal_callback=self._take,
             handle_accepted_callback=self._begin,
@@ -56,11 +58,8 @@ class Action:
     def publish(self) -> None:
         """Publish feedback on all goals under way."""
         for handle, running in self._running.values():
-            if running.ended:  # its result is sent soon
-                continue
-            feedback = self._type.Feedback()
-            self._fill(feedback, running)
-            handle.publish_feedback(feedback)
+            if not running.ended:  # otherwise its result is sent soon
+                handle.publish_feedback(filled(self._type.Feedback(), self._feedback(running)))
 
     def _take(self, goal: Any) -> GoalResponse:
         self._accepted = None
@@ -85,8 +84,7 @@ class Action:
         running.on_end(lambda _: end.set_result(None))
         await end
         del self._running[bytes(handle.goal_id.uuid)]
-        result, outcome = self._type.Result(), str(running.result)
-        self._conclude(result, running)
+        outcome, values = str(running.result), self._result(running)
         if handle.is_cancel_requested:
             handle.canceled()
         elif outcome == SUCCEEDED:
@@ -94,7 +92,5 @@ class Action:
         else:
             handle.abort()
             self._ros.warn(self._name, outcome)
-            result.error_code = self._failed
-            for text in {"error_msg", "error_string"} & result.get_fields_and_field_types().keys():
-                setattr(result, text, outcome)
-        return result
+            values |= {"error_code": self._failed, "error_msg": outcome, "error_string": outcome}
+        return filled(self._type.Result(), values)

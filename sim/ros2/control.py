@@ -9,15 +9,35 @@ from typing import Any
 from rclpy.action import CancelResponse
 
 from ..cell import Pace
+from ..competition import Values
+from ..competition.transport import Answer
+from .messages import filled
 from .node import CellNode
 
-FEATURES = (
-    *("NAMED_POSES", "ENTITY_TAGS", "ENTITY_BOUNDS", "ENTITY_BOUNDS_BOX", "ENTITY_BOUNDS_CONVEX"),
-    *("ENTITY_CATEGORIES", "ENTITY_STATE_GETTING", "ENTITY_INFO_GETTING", "WORLD_INFO_GETTING"),
-    *("SIMULATION_STATE_GETTING", "SIMULATION_STATE_SETTING", "SIMULATION_STATE_PAUSE"),
-    *("STEP_SIMULATION_SINGLE", "STEP_SIMULATION_MULTIPLE", "STEP_SIMULATION_ACTION"),
-)
-"""Features of each trial, as SimulatorFeatures names them."""
+FEATURES = {
+    **{"named poses": 2, "tags": 4, "bounds": 5, "boxes": 6, "convex hulls": 7, "categories": 8},
+    **{"states of entities": 10, "information about entities": 12, "information about worlds": 43},
+    **{"reading the state": 24, "setting the state": 25, "pausing": 26},
+    **{"one step": 31, "several steps": 32, "action of steps": 33},
+}
+"""Numbers in SimulatorFeatures of what each trial supports."""
+
+RESET = 20
+"""Number of the feature SIMULATION_RESET."""
+
+STOPPED, PLAYING, PAUSED, QUITTING = range(4)
+"""States of SimulationState."""
+
+UNSUPPORTED, OK, NOT_FOUND, _, FAILED = range(5)
+"""Results of all services."""
+
+ALREADY, IMPOSSIBLE = 101, 102
+"""Results of SetSimulationState: nothing to change, and a change that failed."""
+
+TIME_AND_STATE = 3
+"""Scope of a reset."""
+
+NO_STEP = "the simulation is not paused, or is over"
 
 
 class Control:
@@ -35,112 +55,93 @@ class Control:
         self._step = step
         self._reset = reset
         self._is_stopped = False
-        self._state = ros.find("simulation_interfaces/msg/SimulationState", "simulation_state")
-        if self._state is None:
-            return
+        features = [*FEATURES.values(), *([RESET] if reset else [])]
         provide_all(
             ros,
-            GetSimulatorFeatures=self._get_features,
-            GetSimulationState=self._get_state,
+            GetSimulatorFeatures=lambda _, __: {"features": {"features": features}},
+            GetSimulationState=lambda _, __: done(state={"state": self._state}),
             SetSimulationState=self._set_state,
             StepSimulation=self._step_simulation,
             ResetSimulation=self._reset_simulation,
         )
         self._steps = ros.provide_action(
             "simulate_steps",
-            "simulation_interfaces/action/SimulateSteps",
+            "simulation_interfaces/SimulateSteps",
             execute_callback=self._simulate_steps,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
-    def _get_features(self, _: Any, response: Any) -> Any:
-        names = [*FEATURES, "SIMULATION_RESET"] if self._reset else FEATURES
-        known = response.features
-        known.features = [getattr(known, name) for name in names if hasattr(known, name)]
-        return response
+    @property
+    def _state(self) -> int:
+        if self._pace.speed and not self._pace.paused:
+            return PLAYING
+        return STOPPED if self._is_stopped else PAUSED
 
-    def _get_state(self, _: Any, response: Any) -> Any:
-        response.state.state = self._present()
-        return done(response)
-
-    def _present(self) -> int:
-        state, pace = self._state, self._pace
-        if pace.speed and not pace.paused:
-            return int(state.STATE_PLAYING)
-        return int(state.STATE_STOPPED if self._is_stopped else state.STATE_PAUSED)
-
-    def _set_state(self, request: Any, response: Any) -> Any:
-        requested, state, pace = request.state.state, self._state, self._pace
-        if requested == self._present():
-            return failed(response, "it is in this state", "ALREADY_IN_TARGET_STATE")
-        if requested == state.STATE_QUITTING:
+    def _set_state(self, _: Any, request: Values) -> Values:
+        state, pace = request["state"]["state"], self._pace
+        if state == self._state:
+            return failed("it is in this state", ALREADY)
+        if state == PLAYING and not pace.speed:
+            return failed("with --step, time does not play", IMPOSSIBLE)
+        if state not in (STOPPED, PLAYING, PAUSED, QUITTING) or (
+            state == STOPPED and self._reset is None
+        ):
+            return failed("a trial has no such state", UNSUPPORTED)
+        if state == QUITTING:
             pace.end()
-        elif requested == state.STATE_PLAYING and not pace.speed:
-            return failed(response, "with --step, time does not play", "STATE_TRANSITION_ERROR")
-        elif requested == state.STATE_STOPPED and self._reset is not None:
+        if state == STOPPED and self._reset is not None:
             self._reset()
-        elif requested not in (state.STATE_PLAYING, state.STATE_PAUSED):
-            return failed(response, "a trial has no such state", UNSUPPORTED)
         if pace.speed:
-            pace.change(paused=requested != state.STATE_PLAYING)
-        self._is_stopped = requested == state.STATE_STOPPED
-        return done(response)
+            pace.change(paused=state != PLAYING)
+        self._is_stopped = state == STOPPED
+        return done()
 
-    def _step_simulation(self, request: Any, response: Any) -> Any:
-        steps = range(request.steps)
-        return done(response) if all(self._one_step() for _ in steps) else failed(response, NO_STEP)
+    def _step_simulation(self, _: Any, request: Values) -> Values:
+        made = all(self._one_step() for _ in range(request["steps"]))
+        return done() if made else failed(NO_STEP)
 
     def _one_step(self) -> bool:
         self._is_stopped = False
         return self._step()
 
     async def _simulate_steps(self, handle: Any) -> Any:
-        result, feedback = self._steps.Result(), self._steps.Feedback()
-        for left in reversed(range(handle.request.steps)):
+        feedback, steps, end = self._steps.Feedback(), handle.request.steps, handle.succeed
+        result = done()
+        while feedback.completed_steps < steps:
             await self._ros.next_turn()  # in which the action may be cancelled
             if handle.is_cancel_requested:
-                handle.canceled()
-                return done(result)
+                end = handle.canceled
+                break
             if not self._one_step():
-                handle.abort()
-                return failed(result, NO_STEP)
+                result, end = failed(NO_STEP), handle.abort
+                break
             feedback.completed_steps += 1
-            feedback.remaining_steps = left
+            feedback.remaining_steps = steps - feedback.completed_steps
             handle.publish_feedback(feedback)
-        handle.succeed()
-        return done(result)
+        end()
+        return filled(self._steps.Result(), result)
 
-    def _reset_simulation(self, request: Any, response: Any) -> Any:
+    def _reset_simulation(self, _: Any, request: Values) -> Values:
         if self._reset is None:
-            return failed(response, "sim.ros2.serve has no `restart`", UNSUPPORTED)
-        everything = request.SCOPE_TIME | request.SCOPE_STATE
-        if request.scope and request.scope & everything != everything:
-            return failed(response, "time and state are reset together", UNSUPPORTED)
+            return failed("sim.ros2.serve has no `restart`", UNSUPPORTED)
+        if request["scope"] and request["scope"] & TIME_AND_STATE != TIME_AND_STATE:
+            return failed("time and state are reset together", UNSUPPORTED)
         self._reset()
-        return done(response)
+        return done()
 
 
-NO_STEP = "the simulation is not paused, or is over"
-
-UNSUPPORTED = "RESULT_FEATURE_UNSUPPORTED"
-
-
-def provide_all(ros: CellNode, **services: Callable[[Any, Any], Any]) -> None:
+def provide_all(ros: CellNode, **services: Answer) -> None:
     """Provide services by the names of their types: SetSimulationState is set_simulation_state."""
     for name, answer in services.items():
         service = re.sub("(?<=[a-z])(?=[A-Z])", "_", name).lower()
-        ros.provide(service, f"simulation_interfaces/srv/{name}", answer)
+        ros.provide(service, f"simulation_interfaces/{name}", answer)
 
 
-def done(response: Any) -> Any:
+def done(**values: Any) -> Values:
     """Return a response with success."""
-    response.result.result = response.result.RESULT_OK
-    return response
+    return {"result": {"result": OK}, **values}
 
 
-def failed(response: Any, why: str, code: str = "RESULT_OPERATION_FAILED") -> Any:
-    """Return a response with the name of a code, of its own or of all results, and a reason."""
-    owner = response if hasattr(response, code) else response.result
-    response.result.result = getattr(owner, code)
-    response.result.error_message = why
-    return response
+def failed(why: str, result: int = FAILED) -> Values:
+    """Return a response with a failure and its reason."""
+    return {"result": {"result": result, "error_message": why}}

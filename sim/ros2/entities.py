@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Iterator
@@ -12,18 +13,28 @@ from shapely.affinity import rotate, translate
 from shapely.geometry import MultiPoint, Polygon
 
 from ..cell import Cell, Pose
-from .control import UNSUPPORTED, done, failed, provide_all
-from .messages import set_header, set_pose, set_twist
+from ..competition import Values
+from ..competition.messages import header, pose_message, twist_message, vector
+from ..exports.scene import ROOT_FRAME
+from .control import NOT_FOUND, UNSUPPORTED, done, failed, provide_all
 from .node import CellNode
+
+ROBOT, HUMAN = 1, 2
+"""Categories of EntityCategory."""
+
+EMPTY, BOX, HULL, SPHERE = range(4)
+"""Types of Bounds."""
+
+ALL = 1
+"""Mode of TagsFilter that requires all tags."""
 
 
 class Entity(NamedTuple):
-    """Person or machine: path of its signals, tags, description, and solid around its axis (m)."""
+    """Person or machine: path of its signals, category, tags, and solid around its axis (m)."""
 
     path: str
-    is_human: bool
+    category: int
     tags: list[str]
-    description: str
     footprint: Polygon
     bottom: float
     top: float
@@ -39,15 +50,10 @@ class Entities:
     def __init__(self, ros: CellNode, cell: Cell) -> None:
         self._cell = cell
         self._entities = dict(_entities_of(cell))
-        if (pose := ros.find("simulation_interfaces/msg/NamedPose", "named poses")) is None:
-            return
-        self._named_pose = pose
-        self._state = ros.find("simulation_interfaces/msg/EntityState", "states of entities")
-        self._vector = ros.find("geometry_msgs/msg/Vector3", "bounds of entities")
         provide_all(
             ros,
             GetEntities=self._get_entities,
-            GetEntitiesStates=self._get_entities,
+            GetEntitiesStates=self._get_states,
             GetEntityInfo=self._get_info,
             GetEntityState=self._get_state,
             GetEntityBounds=self._get_bounds,
@@ -55,90 +61,82 @@ class Entities:
             GetCurrentWorld=self._get_world,
         )
 
-    def _get_entities(self, request: Any, response: Any) -> Any:
-        """Answer GetEntities and GetEntitiesStates."""
+    def _get_entities(self, _: Any, request: Values) -> Values:
         try:
-            names = [name for name in self._entities if self._passes(request.filters, name)]
+            names = [name for name in self._entities if self._passes(request["filters"], name)]
         except re.error as why:
-            return failed(response, f"{request.filters.filter!r} is no expression: {why}")
+            return failed(f"{request['filters']['filter']!r} is no expression: {why}")
         except Unsupported as why:
-            return failed(response, str(why), UNSUPPORTED)
-        response.entities = names
-        if hasattr(response, "states"):
-            response.states = [self._filled_state(self._state(), name) for name in names]
-        return done(response)
+            return failed(str(why), UNSUPPORTED)
+        return done(entities=names)
 
-    def _passes(self, filters: Any, name: str) -> bool:
-        """Return whether a person or machine is on the floor and passes filters."""
-        entity, pose = self._entities[name], self._pose(name)
-        wanted = {one.category for one in filters.categories}
-        return (
-            pose is not None
-            and re.search(filters.filter, name) is not None
-            and (not wanted or _category(filters, entity) in wanted)
-            and _has_tags(filters.tags, entity.tags)
-            and _overlap(filters.bounds, entity, pose)
-        )
+    def _get_states(self, _: Any, request: Values) -> Values:
+        response = self._get_entities(_, request)
+        return response | {"states": [self._state(one) for one in response.get("entities", ())]}
+
+    def _get_state(self, _: Any, request: Values) -> Values:
+        name = request["entity"]
+        is_here = name in self._entities and self._pose(name) is not None
+        return done(state=self._state(name)) if is_here else _not_found(name)
+
+    def _get_info(self, _: Any, request: Values) -> Values:
+        if (entity := self._entities.get(request["entity"])) is None:
+            return _not_found(request["entity"])
+        category, description = {"category": entity.category}, ", ".join(entity.tags)
+        return done(info={"category": category, "tags": entity.tags, "description": description})
+
+    def _get_bounds(self, _: Any, request: Values) -> Values:
+        if (entity := self._entities.get(request["entity"])) is None:
+            return _not_found(request["entity"])
+        west, south, east, north = entity.footprint.bounds
+        corners = [vector((east, north), entity.top), vector((west, south), entity.bottom)]
+        return done(bounds={"type": BOX, "points": corners})
+
+    def _get_named_poses(self, _: Any, request: Values) -> Values:
+        poses = [
+            {"name": name, "tags": [tag], "pose": pose_message(pose)}
+            for name, tag, pose in _places_of(self._cell)
+            if _has_tags(request["tags"], [tag])
+        ]
+        return done(poses=poses)
+
+    def _get_world(self, _: Any, __: Values) -> Values:
+        scene = self._cell.simulation.scene
+        return done(world={"name": scene.floorplan.name, "description": scene.trial})
 
     def _pose(self, name: str) -> Any:
         return self._cell.signals[f"{self._entities[name].path}/pose"].read()
 
-    def _get_state(self, request: Any, response: Any) -> Any:
-        if request.entity not in self._entities or self._pose(request.entity) is None:
-            return _not_found(request, response)
-        self._filled_state(response.state, request.entity)
-        return done(response)
+    def _state(self, name: str) -> Values:
+        velocity = self._cell.signals[f"{self._entities[name].path}/velocity"].read()
+        return {
+            "header": header(self._cell.now, ROOT_FRAME),
+            "pose": pose_message(self._pose(name)),
+            "twist": twist_message(velocity),
+        }
 
-    def _filled_state(self, state: Any, name: str) -> Any:
-        set_header(state.header, self._cell.now)
-        set_pose(state.pose, self._pose(name))
-        set_twist(state.twist, self._cell.signals[f"{self._entities[name].path}/velocity"].read())
-        return state
-
-    def _get_info(self, request: Any, response: Any) -> Any:
-        if (entity := self._entities.get(request.entity)) is None:
-            return _not_found(request, response)
-        category = response.info.category
-        category.category = category.CATEGORY_HUMAN if entity.is_human else category.CATEGORY_ROBOT
-        response.info.tags, response.info.description = entity.tags, entity.description
-        return done(response)
-
-    def _get_bounds(self, request: Any, response: Any) -> Any:
-        if (entity := self._entities.get(request.entity)) is None:
-            return _not_found(request, response)
-        west, south, east, north = entity.footprint.bounds
-        corners = (east, north, entity.top), (west, south, entity.bottom)
-        response.bounds.type = response.bounds.TYPE_BOX
-        response.bounds.points = [self._vector(x=x, y=y, z=z) for x, y, z in corners]
-        return done(response)
-
-    def _get_named_poses(self, request: Any, response: Any) -> Any:
-        for name, tag, pose in _places_of(self._cell):
-            if _has_tags(request.tags, [tag]):
-                named = self._named_pose(name=name, tags=[tag])
-                set_pose(named.pose, pose)
-                response.poses.append(named)
-        return done(response)
-
-    def _get_world(self, _: Any, response: Any) -> Any:
-        scene = self._cell.simulation.scene
-        response.world.name, response.world.description = scene.floorplan.name, scene.trial
-        return done(response)
+    def _passes(self, filters: Values, name: str) -> bool:
+        """Return whether a person or machine is on the floor and passes filters."""
+        entity, pose = self._entities[name], self._pose(name)
+        categories = [one["category"] for one in filters["categories"]]
+        return (
+            pose is not None
+            and re.search(filters["filter"], name) is not None
+            and (not categories or entity.category in categories)
+            and _has_tags(filters["tags"], entity.tags)
+            and _overlap(filters["bounds"], entity, pose)
+        )
 
 
 def _entities_of(cell: Cell) -> Iterator[tuple[str, Entity]]:
     scene = cell.simulation.scene
     for person in scene.people:
-        footprint = shapely.Point(0.0, 0.0).buffer(person.radius)
-        words = ["person"], f"person, {person.personality}"
-        yield (
-            person.name,
-            Entity(f"people/{person.name}", True, *words, footprint, 0.0, person.height),
-        )
+        circle, tags = shapely.Point(0.0, 0.0).buffer(person.radius), ["person", person.personality]
+        path = f"people/{person.name}"
+        yield person.name, Entity(path, HUMAN, tags, circle, 0.0, person.height)
     for shape in scene.machines:
-        words = [shape.category, shape.kind], f"{shape.category}, {shape.kind}"
-        solid = Polygon(shape.corners), shape.bottom, shape.top
-        yield shape.name, Entity(f"machines/{shape.name}", False, *words, *solid)
+        tags, solid = [shape.category, shape.kind], (Polygon(shape.corners), shape.bottom)
+        yield shape.name, Entity(f"machines/{shape.name}", ROBOT, tags, *solid, shape.top)
 
 
 def _places_of(cell: Cell) -> Iterator[tuple[str, str, Pose]]:
@@ -154,34 +152,31 @@ def _places_of(cell: Cell) -> Iterator[tuple[str, str, Pose]]:
             yield f"{lane.name}/{location}", "location", Pose(*lane.position(along), heading)
 
 
-def _category(filters: Any, entity: Entity) -> int:
-    category = filters.categories[0]
-    return int(category.CATEGORY_HUMAN if entity.is_human else category.CATEGORY_ROBOT)
+def _has_tags(wanted: Values, tags: list[str]) -> bool:
+    some = all if wanted["filter_mode"] == ALL else any
+    return not wanted["tags"] or some(tag in tags for tag in wanted["tags"])
 
 
-def _has_tags(wanted: Any, tags: list[str]) -> bool:
-    some = all if wanted.filter_mode == wanted.FILTER_MODE_ALL else any
-    return not wanted.tags or some(tag in tags for tag in wanted.tags)
-
-
-def _overlap(bounds: Any, entity: Entity, pose: Pose) -> bool:
+def _overlap(bounds: Values, entity: Entity, pose: Pose) -> bool:
     """Return whether bounds contain a part of an entity. `Unsupported` for unknown types."""
-    points = [(point.x, point.y, point.z) for point in bounds.points]
-    if bounds.type == bounds.TYPE_EMPTY:
+    kind, points = bounds["type"], [(one["x"], one["y"], one["z"]) for one in bounds["points"]]
+    if kind == EMPTY:
         return True
-    if bounds.type == bounds.TYPE_SPHERE and len(points) == 2:
+    if not all(map(math.isfinite, itertools.chain(*points))):
+        raise Unsupported("numbers of bounds must be finite")
+    if kind == SPHERE and len(points) == 2:
         (x, y, z), (radius, *_) = points
         region, low, high = shapely.Point(x, y).buffer(radius), z - radius, z + radius
-    elif bounds.type in (bounds.TYPE_BOX, bounds.TYPE_CONVEX_HULL) and len(points) >= 2:
+    elif kind in (BOX, HULL) and len(points) >= 2:
         corners = MultiPoint([point[:2] for point in points])
-        region = corners.envelope if bounds.type == bounds.TYPE_BOX else corners.convex_hull
+        region = corners.envelope if kind == BOX else corners.convex_hull
         low, high = min(z for *_, z in points), max(z for *_, z in points)
     else:
-        raise Unsupported(f"there are no bounds of type {bounds.type} with {len(points)} points")
+        raise Unsupported(f"there are no bounds of type {kind} with {len(points)} points")
     turned = rotate(entity.footprint, pose.heading, origin=(0.0, 0.0), use_radians=True)
     here = translate(turned, pose.x, pose.y)
     return bool(here.intersects(region)) and entity.bottom <= high and low <= entity.top
 
 
-def _not_found(request: Any, response: Any) -> Any:
-    return failed(response, f"there is no entity {request.entity!r} now", "RESULT_NOT_FOUND")
+def _not_found(name: str) -> Values:
+    return failed(f"there is no entity {name!r} now", NOT_FOUND)

@@ -7,17 +7,17 @@ import math
 from typing import Any
 
 from ..cell import Cell, Pose, Running
-from ..cell.signals import SCANS
+from ..cell.signals import POSES, SCANS
+from ..competition import Values
 from ..competition.machine_topics import trajectory_of
-from ..competition.messages import joint_state
+from ..competition.messages import joint_state, laser_scan, odometry
 from ..exports.scene import ROOT_FRAME
 from ..machines.gantry.robot import GantryRobot
 from .actions import Action
-from .messages import pose_of, set_header, set_pose, set_twist, within
+from .messages import stamped_pose_of, values_of
 from .node import CellNode
-from .transport import values_of
 
-STAMPED, PLAIN = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"
+STAMPED, PLAIN = "geometry_msgs/TwistStamped", "geometry_msgs/Twist"
 """Types of velocity commands: of Nav2 since Kilted, and before."""
 
 Frame = tuple[str, str, Pose]
@@ -40,18 +40,16 @@ class VehicleTopics:
         self._odom, self._base = f"{prefix}odom", f"{prefix}base_link"
         self._laser, self._commands = f"{prefix}base_scan", f"{prefix}cmd_vel"
         self._origin: Pose = self._pose.read()
-        self._odometry = ros.publish_on(f"{prefix}odom", "nav_msgs/msg/Odometry")
-        self._scans = ros.publish_on(f"{prefix}scan", "sensor_msgs/msg/LaserScan")
+        ros.advertise(self._odom, "nav_msgs/Odometry", self._odometry, rate=POSES)
+        if self._scan is not None:
+            ros.advertise(f"{prefix}scan", "sensor_msgs/LaserScan", self._laser_scan, rate=SCANS)
         self._drive = cell.commands.get(f"machines/{name}/twist")
+        self._locate = cell.commands.get(f"machines/{name}/pose")
         self._listening = ("", None)
         self.listen()
-        if (locate := cell.commands.get(f"machines/{name}/pose")) is not None:
-            located = "geometry_msgs/msg/PoseWithCovarianceStamped"
-            ros.subscribe(
-                f"{prefix}initialpose",
-                located,
-                lambda message: locate.take(pose_of(message.pose.pose, message.header.frame_id)),
-            )
+        if self._locate is not None:
+            located = "geometry_msgs/PoseWithCovarianceStamped"
+            ros.listen(f"{prefix}initialpose", located, self._take_pose)
 
     def listen(self) -> None:
         """Subscribe to velocity commands, in the type of their publisher.
@@ -64,61 +62,61 @@ class VehicleTopics:
         publishers = self._ros.node.get_publishers_info_by_topic(self._commands)
         if len(publishers) > 1:
             self._ros.warn(self._commands, "several publishers, the last message counts")
-        message_type = PLAIN if {one.topic_type for one in publishers} == {PLAIN} else STAMPED
+        types = {one.topic_type for one in publishers}
+        message_type = PLAIN if types == {PLAIN.replace("/", "/msg/")} else STAMPED
         type_, subscription = self._listening
         if message_type == type_:
             return
         if subscription is None:
-            self._listening = (
-                message_type,
-                self._ros.subscribe(self._commands, message_type, self._take),
-            )
+            subscription = self._ros.listen(self._commands, message_type, self._take)
+            self._listening = (message_type, subscription)
         else:
             # The executor releases the old subscription before the next call.
             self._ros.node.destroy_subscription(subscription)
             self._listening = ("", None)
 
-    def _take(self, message: Any) -> None:
-        twist = getattr(message, "twist", message)
+    def _take(self, message: Values, _: str) -> None:
+        twist = message.get("twist", message)
         assert self._drive is not None
-        self._drive.take((twist.linear.x, twist.linear.y, twist.angular.z))
+        self._drive.take((twist["linear"]["x"], twist["linear"]["y"], twist["angular"]["z"]))
+
+    def _take_pose(self, message: Values, _: str) -> None:
+        assert self._locate is not None
+        self._locate.take(stamped_pose_of(message["pose"] | {"header": message["header"]}))
 
     @property
-    def fixed_frames(self) -> list[Frame]:
+    def fixed_frame(self) -> Frame:
         """Frame of the scanner."""
-        return [(self._base, self._laser, Pose(0.0, 0.0, 0.0))]
+        return (self._base, self._laser, Pose(0.0, 0.0, 0.0))
 
     @property
     def moving_frames(self) -> list[Frame]:
         """Frames of odometry and vehicle."""
-        moved = within(self._origin, self._pose.read())
+        moved = _within(self._origin, self._pose.read())
         return [(ROOT_FRAME, self._odom, self._origin), (self._odom, self._base, moved)]
 
-    def publish_odometry(self) -> None:
-        """Publish pose and velocity."""
-        if self._odometry.is_needed:
-            message = self._odometry.new(child_frame_id=self._base)
-            set_header(message.header, self._cell.now, self._odom)
-            pose = self._pose.read()
-            set_pose(message.pose.pose, within(self._origin, pose))
-            set_twist(message.twist.twist, self._velocity.read().seen_at(pose.heading))
-            self._odometry.publish(message)
+    def _odometry(self) -> Values:
+        """Return pose and velocity."""
+        pose: Pose = self._pose.read()
+        moved, velocity = _within(self._origin, pose), self._velocity.read().seen_at(pose.heading)
+        return odometry(self._cell.now, self._odom, self._base, moved, velocity)
 
-    def publish_scan(self) -> None:
-        """Publish what the scanner sees: infinity beyond its reach (REP 117)."""
-        if self._scan is None or not self._scans.is_needed:
-            return
+    def _laser_scan(self) -> Values:
+        """Return what the scanner sees: infinity beyond its reach (REP 117)."""
+        assert self._scan is not None
         scan = self._scan.read()
-        message = self._scans.new()
-        set_header(message.header, self._cell.now, self._laser)
-        message.angle_min, message.angle_increment = scan.first, scan.step
-        message.angle_max = scan.first + math.tau - scan.step
-        message.scan_time = 1 / SCANS
-        message.range_max = scan.reach
         ranges = scan.distances.astype("f")
         ranges[scan.distances >= scan.reach] = math.inf
-        message.ranges = array.array("f", ranges.tobytes())
-        self._scans.publish(message)
+        message = laser_scan(self._cell.now, self._laser, scan)
+        return message | {"ranges": array.array("f", ranges.tobytes())}
+
+
+def _within(origin: Pose, pose: Pose) -> Pose:
+    """Return a pose of the map in the frame at `origin`."""
+    dx, dy = pose.x - origin.x, pose.y - origin.y
+    c, s = math.cos(origin.heading), math.sin(origin.heading)
+    turn = math.remainder(pose.heading - origin.heading, math.tau)
+    return Pose(c * dx + s * dy, c * dy - s * dx, turn)
 
 
 INVALID_GOAL = -1
@@ -128,21 +126,20 @@ INVALID_GOAL = -1
 def gantry_action(ros: CellNode, cell: Cell, name: str) -> Action:
     """Provide the action in which a gantry follows a trajectory."""
 
-    def fill(feedback: Any, _: Running) -> None:
+    def feedback(_: Running) -> Values:
         machine = cell.simulation.machines[name]
         assert isinstance(machine, GantryRobot)
         actual = joint_state(cell.now, machine.gantry, machine.state)
-        set_header(feedback.header, cell.now, "")
-        feedback.joint_names, feedback.actual.positions = actual["name"], actual["position"]
-        feedback.actual.velocities = actual["velocity"]
+        return {
+            "header": actual["header"],
+            "joint_names": actual["name"],
+            "actual": {"positions": actual["position"], "velocities": actual["velocity"]},
+        }
 
-    return Action(
-        ros,
-        "gantry_controller/follow_joint_trajectory",
-        "control_msgs/action/FollowJointTrajectory",
-        start=lambda goal: cell.tasks[f"machines/{name}/trajectory"].start(
-            trajectory_of(values_of(goal.trajectory))
-        ),
-        fill=fill,
-        failed=INVALID_GOAL,
-    )
+    def start(goal: Any) -> Running:
+        task = cell.tasks[f"machines/{name}/trajectory"]
+        return task.start(trajectory_of(values_of(goal.trajectory)))
+
+    action = "gantry_controller/follow_joint_trajectory"
+    type_ = "control_msgs/FollowJointTrajectory"
+    return Action(ros, action, type_, start=start, feedback=feedback, failed=INVALID_GOAL)

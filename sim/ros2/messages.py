@@ -1,62 +1,55 @@
-"""Conversions between values of the cell and fields of ROS messages."""
+"""Messages of ROS as values by field, and back."""
 
 from __future__ import annotations
 
-import math
+from functools import cache
+from importlib import import_module
 from typing import Any
 
 from ..cell import Pose, Rejected
+from ..competition import Values
+from ..competition.messages import pose_of
 from ..exports.scene import ROOT_FRAME
 
 
-def set_time(stamp: Any, t: float) -> None:
-    """Set a Time or Duration to `t` seconds."""
-    stamp.sec, stamp.nanosec = divmod(round(t * 1e9), 10**9)
+def values_of(message: Any) -> Any:
+    """Return the values of a message by field. Nested messages are values by field, too."""
+    if hasattr(message, "get_fields_and_field_types"):
+        names = message.get_fields_and_field_types()
+        return {name: values_of(getattr(message, name)) for name in names}
+    if isinstance(message, str | bytes | bool | int | float):
+        return message
+    return [values_of(one) for one in message]
 
 
-def seconds(stamp: Any) -> float:
-    """Return a Time or Duration in seconds."""
-    return float(stamp.sec + stamp.nanosec * 1e-9)
+def filled(message: Any, values: Values) -> Any:
+    """Set those fields that a message has in this distribution of ROS, and return it."""
+    for name, value in values.items():
+        if not hasattr(message, name):
+            continue
+        if isinstance(value, dict):
+            filled(getattr(message, name), value)
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            element = _element(message.get_fields_and_field_types()[name])
+            setattr(message, name, [filled(element(), one) for one in value])
+        else:
+            setattr(message, name, value)
+    return message
 
 
-def set_header(header: Any, t: float, frame: str = ROOT_FRAME) -> None:
-    """Set time (s) and frame of a header."""
-    set_time(header.stamp, t)
-    header.frame_id = frame
+@cache
+def _element(type_: str) -> Any:
+    """Return the class of the messages in a list, such as "sequence<geometry_msgs/Pose>"."""
+    package, _, name = type_.removeprefix("sequence<").rstrip(">").partition("/")
+    return getattr(import_module(f"{package}.msg"), name)
 
 
-def set_turn(quaternion: Any, heading: float) -> None:
-    """Set a quaternion to a rotation about z (rad)."""
-    quaternion.z, quaternion.w = math.sin(heading / 2), math.cos(heading / 2)
+def stamped_pose_of(values: Values, frame: str = "") -> Pose:
+    """Return a geometry_msgs/PoseStamped. `frame` applies if it has none.
 
-
-def set_pose(message: Any, pose: Pose) -> None:
-    """Set a geometry_msgs/Pose."""
-    message.position.x, message.position.y = pose.x, pose.y
-    set_turn(message.orientation, pose.heading)
-
-
-def set_twist(message: Any, velocity: Any) -> None:
-    """Set a geometry_msgs/Twist."""
-    message.linear.x, message.linear.y = velocity.x, velocity.y
-    message.angular.z = velocity.turn
-
-
-def pose_of(message: Any, frame: str = ROOT_FRAME) -> Pose:
-    """Return a geometry_msgs/Pose. `Rejected` unless it is in the frame of the map."""
+    `Rejected` unless it is in the frame of the map.
+    """
+    frame = values["header"]["frame_id"] or frame
     if frame.lstrip("/") not in ("", ROOT_FRAME):
         raise Rejected("frame", frame, f"a pose must be in the frame {ROOT_FRAME}")
-    x, y, z, w = (getattr(message.orientation, part) for part in "xyzw")
-    norm = math.hypot(x, y, z, w)
-    if not 0 < norm < math.inf:
-        raise Rejected("orientation", (x, y, z, w), "must be a rotation")
-    heading = math.atan2(2 * (w * z + x * y), norm * norm - 2 * (y * y + z * z))
-    return Pose(message.position.x, message.position.y, heading)
-
-
-def within(origin: Pose, pose: Pose) -> Pose:
-    """Return a pose of the map in the frame at `origin`."""
-    dx, dy = pose.x - origin.x, pose.y - origin.y
-    c, s = math.cos(origin.heading), math.sin(origin.heading)
-    turn = math.remainder(pose.heading - origin.heading, math.tau)
-    return Pose(c * dx + s * dy, c * dy - s * dx, turn)
+    return pose_of(values["pose"])

@@ -4,54 +4,49 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
 from ..cell import Cell
-from ..core.recorder import Event
+from ..competition import Values
+from ..competition.messages import about_z, header
 from ..exports import scene
 from ..exports.scene import ALARM, SAFE, Color, Shape, Thing
-from .messages import set_header, set_turn
-from .node import LATCHED, CellNode, RosTopic
+from .node import CellNode
+
+DIAGNOSTICS = 1.0
+"""Hz, in simulated time."""
+
+STATES = {False: (b"\0", "separated"), True: (b"\2", "violation")}
+"""Level and message of a diagnostic_msgs/DiagnosticStatus: whether a distance is too short."""
 
 
-class Monitoring:
-    """Publisher of `/diagnostics` and `events`."""
+def add_monitoring(ros: CellNode, cell: Cell) -> None:
+    """Publish `/diagnostics` of each person and machine, and `events` as in `events.jsonl`."""
+    pairs = [(name, one) for name, one in cell.signals.items() if name.startswith("monitor/")]
 
-    def __init__(self, ros: CellNode, cell: Cell) -> None:
-        self._cell = cell
-        self._events = ros.publish_on("events", "std_msgs/msg/String", 1000)
-        self._diagnostics = ros.publish_on("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
-        self._status = ros.find("diagnostic_msgs/msg/DiagnosticStatus", "/diagnostics")
-        self._value = ros.find("diagnostic_msgs/msg/KeyValue", "/diagnostics")
-        self._pairs = [(n, s) for n, s in cell.signals.items() if n.startswith("monitor/")]
-        cell.signals["events"].watch(self._publish_event)
+    def diagnostics() -> Values:
+        status = []
+        for name, signal in pairs:
+            if (state := signal.read()) is not None:
+                _, person, machine = name.split("/")
+                level, message = STATES[state.distance < state.required]
+                values = {"distance": state.distance, "required": state.required}
+                status.append(
+                    {
+                        "name": f"separation of {person} and {machine}",
+                        **{"hardware_id": machine, "level": level, "message": message},
+                        "values": [{"key": k, "value": f"{v:.4f}"} for k, v in values.items()],
+                    }
+                )
+        return {"header": header(cell.now, ""), "status": status}
 
-    def _publish_event(self, event: Event) -> None:
-        """Publish an event as in `events.jsonl`."""
-        self._events.publish(self._events.new(data=json.dumps(event, ensure_ascii=False)))
-
-    def publish_diagnostics(self) -> None:
-        """Publish distance and required distance of each person and machine."""
-        if not self._diagnostics.is_needed:
-            return
-        message = self._diagnostics.new()
-        set_header(message.header, self._cell.now, "")
-        for name, signal in self._pairs:
-            if (state := signal.read()) is None:
-                continue
-            _, person, machine = name.split("/")
-            status = self._status(name=f"separation of {person} and {machine}", hardware_id=machine)
-            too_close = state.distance < state.required
-            status.level = status.ERROR if too_close else status.OK
-            status.message = "violation" if too_close else "separated"
-            status.values = [
-                self._value(key="distance", value=f"{state.distance:.4f}"),
-                self._value(key="required", value=f"{state.required:.4f}"),
-            ]
-            message.status.append(status)
-        self._diagnostics.publish(message)
+    ros.advertise("/diagnostics", "diagnostic_msgs/DiagnosticArray", diagnostics, rate=DIAGNOSTICS)
+    events = ros.advertise("events", "std_msgs/String")
+    cell.signals["events"].watch(
+        lambda event: ros.publish(events, {"data": json.dumps(event, ensure_ascii=False)})
+    )
 
 
 WIDTH = 0.04
@@ -60,75 +55,69 @@ WIDTH = 0.04
 DIRECTIONS = [(math.cos(k * math.tau / 48), math.sin(k * math.tau / 48)) for k in range(49)]
 """Unit vectors to the corners of a drawn circle."""
 
+KINDS = {"arrow": 0, "cube": 1, "cylinder": 3, "line": 4, "label": 9, "triangles": 11}
+"""Types of visualization_msgs/Marker."""
 
-class Markers:
-    """Publisher of `markers` (latched) and `separation_markers`."""
+MARKERS = "visualization_msgs/MarkerArray"
 
-    def __init__(self, ros: CellNode, cell: Cell) -> None:
-        self._cell = cell
-        array = "visualization_msgs/msg/MarkerArray"
-        constant = ros.publish_on("markers", array, LATCHED)
-        self._changing = ros.publish_on("separation_markers", array)
-        self._marker = ros.find("visualization_msgs/msg/Marker", "markers")
-        self._point = ros.find("geometry_msgs/msg/Point", "markers")
-        if self._marker is not None:
-            shown = cell.simulation.scene
-            run: Any = SimpleNamespace(scene=shown, floorplan=shown.floorplan)
-            self._publish(constant, [*scene.floor(run), *scene.bodies(run)])
 
-    def publish(self) -> None:
-        """Publish the required distances around people, and the protective fields that apply."""
-        if self._changing.is_needed:
-            self._publish(self._changing, [*self._distances(), *self._fields()])
+def add_markers(ros: CellNode, cell: Cell) -> None:
+    """Publish `markers` of floor and bodies, latched, and `separation_markers` that change."""
+    shown = cell.simulation.scene
+    run: Any = SimpleNamespace(scene=shown, floorplan=shown.floorplan)
+    constant = ros.advertise("markers", MARKERS, latched=1)
+    ros.publish(constant, _drawn([*scene.floor(run), *scene.bodies(run)]))
+    changing = lambda: _drawn([*_distances(cell), *_fields(cell)])  # noqa: E731
+    ros.advertise("separation_markers", MARKERS, changing)
 
-    def _distances(self) -> Iterator[Thing]:
-        for name, signal in self._cell.signals.items():
-            state = signal.read() if name.startswith("monitor/") else None
-            if state is not None and 0 < state.required < math.inf:
-                circle = [(state.required * x, state.required * y) for x, y in DIRECTIONS]
-                color = ALARM if state.distance < state.required else SAFE
-                yield Thing(name, scene.frame(name.split("/")[1]), (_line(circle, color),))
 
-    def _fields(self) -> Iterator[Thing]:
-        simulation, now = self._cell.simulation, self._cell.now
-        for name, fields in simulation.trial.fields.items():
-            machine = simulation.machines[name]
-            for span in fields.protective.applying(machine.body.motion, now, now, machine.loaded):
-                if span.set is not None:
-                    corners = [*span.set.protective, span.set.protective[0]]
-                    yield Thing(f"field/{name}", scene.frame(name), (_line(corners, ALARM),))
+def _distances(cell: Cell) -> Iterator[Thing]:
+    """Yield the required distances around people."""
+    for name, signal in cell.signals.items():
+        state = signal.read() if name.startswith("monitor/") else None
+        if state is not None and 0 < state.required < math.inf:
+            circle = [(state.required * x, state.required * y) for x, y in DIRECTIONS]
+            color = ALARM if state.distance < state.required else SAFE
+            yield Thing(name, scene.frame(name.split("/")[1]), (_line(circle, color),))
 
-    def _publish(self, topic: RosTopic, things: list[Thing]) -> None:
-        drawn = [
-            self._drawn(thing, number, shape)
-            for thing in things
-            for number, shape in enumerate(thing.shapes)
-        ]
-        topic.publish(topic.new(markers=drawn))
 
-    def _drawn(self, thing: Thing, number: int, shape: Shape) -> Any:
-        marker = self._marker(ns=thing.name, id=number, text=shape.text, frame_locked=True)
-        set_header(marker.header, 0.0, thing.frame)  # at 0, the latest transform applies
-        marker.type = {
-            "cube": marker.CUBE,
-            "cylinder": marker.CYLINDER,
-            "arrow": marker.ARROW,
-            "line": marker.LINE_STRIP,
-            "triangles": marker.TRIANGLE_LIST,
-            "label": marker.TEXT_VIEW_FACING,
-        }[shape.kind]
-        at, scale, color = marker.pose.position, marker.scale, marker.color
-        at.x, at.y, at.z = map(float, shape.at)
-        set_turn(marker.pose.orientation, shape.yaw)
-        scale.x, scale.y, height = map(float, shape.size)
-        scale.z = scale.y if shape.kind == "arrow" else height
-        color.r, color.g, color.b, color.a = shape.color
-        marker.points = [
-            self._point(x=float(x), y=float(y), z=float(z)) for x, y, z in shape.points
-        ]
-        return marker
+def _fields(cell: Cell) -> Iterator[Thing]:
+    """Yield the protective fields that apply."""
+    simulation, now = cell.simulation, cell.now
+    for name, fields in simulation.trial.fields.items():
+        machine = simulation.machines[name]
+        for span in fields.protective.applying(machine.body.motion, now, now, machine.loaded):
+            if span.set is not None:
+                corners = [*span.set.protective, span.set.protective[0]]
+                yield Thing(f"field/{name}", scene.frame(name), (_line(corners, ALARM),))
 
 
 def _line(corners: Sequence[tuple[float, float]], color: Color) -> Shape:
     points = tuple((x, y, WIDTH) for x, y in corners)
     return Shape(kind="line", points=points, size=(WIDTH, 0.0, 0.0), color=color)
+
+
+def _drawn(things: Iterable[Thing]) -> Values:
+    return {
+        "markers": [
+            _marker(thing, number, shape)
+            for thing in things
+            for number, shape in enumerate(thing.shapes)
+        ]
+    }
+
+
+def _marker(thing: Thing, number: int, shape: Shape) -> Values:
+    length, width, height = shape.size
+    size = (length, width, width if shape.kind == "arrow" else height)
+    return {
+        "header": header(0.0, thing.frame),  # at 0, the latest transform applies
+        **{"ns": thing.name, "id": number, "type": KINDS[shape.kind], "frame_locked": True},
+        "pose": {"position": _xyz(shape.at), "orientation": about_z(shape.yaw)},
+        **{"scale": _xyz(size), "color": dict(zip("rgba", shape.color, strict=True))},
+        **{"points": [_xyz(point) for point in shape.points], "text": shape.text},
+    }
+
+
+def _xyz(values: Sequence[float]) -> Values:
+    return dict(zip("xyz", map(float, values), strict=True))

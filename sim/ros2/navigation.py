@@ -9,17 +9,21 @@ from typing import Any, NamedTuple
 
 from ..cell import Cell, Pose, Rejected, Running
 from ..cell.tasks import CANCELLED, SUCCEEDED
+from ..competition import Values
+from ..competition.messages import header, pose_message, seconds
+from ..exports.scene import ROOT_FRAME
 from .actions import Action
-from .messages import pose_of, set_header, set_pose, set_time
+from .messages import stamped_pose_of, values_of
 from .node import CellNode
-from .transport import element_of
 
-ACTIVE = 3
-"""Id of the state "active" of a lifecycle node."""
-
+ACTIVE = {"current_state": {"id": 3, "label": "active"}}
+"""State of a lifecycle node."""
 
 SLOWEST = 0.01
 """Speed in m/s above which the remaining time is estimated, as in Nav2."""
+
+PENDING, COMPLETED, _, FAILED = range(4)
+"""States of a nav2_msgs/WaypointStatus."""
 
 
 class _Kind(NamedTuple):
@@ -33,13 +37,12 @@ class _Kind(NamedTuple):
 
 
 def _pose(goal: Any) -> Pose:
-    return pose_of(goal.pose.pose, goal.pose.header.frame_id)
+    return stamped_pose_of(values_of(goal.pose))
 
 
 def _poses(goal: Any) -> list[Pose]:
     # nav_msgs/Goals since Kilted, a plain list before.
-    poses = getattr(goal.poses, "goals", goal.poses)
-    return [pose_of(one.pose, one.header.frame_id) for one in poses]
+    return [stamped_pose_of(values_of(one)) for one in getattr(goal.poses, "goals", goal.poses)]
 
 
 def _waypoints(goal: Any) -> list[Pose]:
@@ -51,7 +54,7 @@ def _waypoints(goal: Any) -> list[Pose]:
 
 def _path(goal: Any) -> list[Pose]:
     frame = goal.path.header.frame_id
-    return [pose_of(one.pose, one.header.frame_id or frame) for one in goal.path.poses]
+    return [stamped_pose_of(values_of(one), frame) for one in goal.path.poses]
 
 
 KINDS = (
@@ -67,75 +70,69 @@ def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Itera
 
     The names begin with the name of the body, so that the names of Nav2 remain free.
     """
-    velocity_of = cell.signals[f"{body}/velocity"]
+    velocity = cell.signals[f"{body}/velocity"]
 
     def start(kind: _Kind, goal: Any) -> Running:
         return cell.tasks[f"{body}/{kind.task}"].start(kind.goal(goal))
 
-    def fill(feedback: Any, running: Running) -> None:
-        progress, velocity = running.feedback(), velocity_of.read()
-        speed = math.hypot(velocity.x, velocity.y)
-        if hasattr(feedback, "current_waypoint"):  # of FollowWaypoints
-            feedback.current_waypoint = len(running.goal) - progress.waypoints
-            return
-        if hasattr(feedback, "distance_to_goal"):  # of FollowPath
-            feedback.distance_to_goal = float(progress.remaining)
-            feedback.speed = speed
-            return
-        set_header(feedback.current_pose.header, cell.now)
-        set_pose(feedback.current_pose.pose, progress.pose)
-        set_time(feedback.navigation_time, progress.elapsed)
-        feedback.distance_remaining = float(progress.remaining)
+    def feedback(running: Running) -> Values:
+        """Return the fields of all actions."""
+        progress, now = running.feedback(), velocity.read()
+        speed, left = math.hypot(now.x, now.y), float(progress.remaining)
+        values = {
+            "current_pose": _stamped(cell.now, progress.pose),
+            "navigation_time": seconds(progress.elapsed),
+            **{"distance_remaining": left, "distance_to_goal": left, "speed": speed},
+        }
         if speed > SLOWEST:
-            set_time(feedback.estimated_time_remaining, progress.remaining / speed)
-        if hasattr(feedback, "number_of_poses_remaining"):  # of NavigateThroughPoses
-            feedback.number_of_poses_remaining = progress.waypoints
-        _set_waypoints(feedback, running)
+            values["estimated_time_remaining"] = seconds(left / speed)
+        if isinstance(running.goal, list):
+            values["number_of_poses_remaining"] = progress.waypoints
+            values["current_waypoint"] = len(running.goal) - progress.waypoints
+            values["waypoint_statuses"] = _statuses(running)
+        return values
 
-    ros.provide(
-        f"{namespace}/bt_navigator/get_state", "lifecycle_msgs/srv/GetState", _answer_active
-    )
+    ros.provide(f"{namespace}/bt_navigator/get_state", "lifecycle_msgs/GetState", lambda *_: ACTIVE)
     for kind in KINDS:
         if f"{body}/{kind.task}" in cell.tasks:
             yield Action(
                 ros,
                 f"{namespace}/{kind.name}",
-                f"nav2_msgs/action/{kind.interface}",
+                f"nav2_msgs/{kind.interface}",
                 start=partial(start, kind),
-                fill=fill,
+                feedback=feedback,
+                result=partial(_result, kind),
                 failed=kind.unknown,
-                conclude=partial(_set_waypoints, code=kind.unknown),
             )
 
 
-def _set_waypoints(message: Any, running: Running, code: int = 0) -> None:
-    """Set the states of all waypoints of a task, or those that it missed, if there is a field."""
-    reached = len(running.goal) - running.feedback().waypoints if _lists(message) else 0
+def _stamped(t: float, pose: Pose) -> Values:
+    return {"header": header(t, ROOT_FRAME), "pose": pose_message(pose)}
+
+
+def _result(kind: _Kind, running: Running) -> Values:
+    """Return the states of waypoints, and those that were missed."""
+    if kind.task != "go_through":
+        return {}
+    statuses = _statuses(running, kind.unknown)
+    missed = [one for one in statuses if one["waypoint_status"] == FAILED]
+    return {"waypoint_statuses": statuses, "missed_waypoints": missed}
+
+
+def _statuses(running: Running, unknown: int = 0) -> list[Values]:
+    """Return a nav2_msgs/WaypointStatus of each waypoint."""
+    reached = len(running.goal) - running.feedback().waypoints
     outcome = str(running.result) if running.ended else ""
-    for field in _lists(message):
-        status = element_of(message, field)
-        for k, pose in enumerate(running.goal):
-            has_failed = k == reached and outcome not in ("", SUCCEEDED, CANCELLED)
-            if field == "missed_waypoints" and not has_failed:
-                continue
-            state = "FAILED" if has_failed else "COMPLETED" if k < reached else "PENDING"
-            getattr(message, field).append(one := status())
-            if has_failed:
-                one.error_code = code
-            if hasattr(one, "waypoint_status"):
-                one.waypoint_status, one.waypoint_index = getattr(one, state), k
-                one.error_msg = outcome if has_failed else ""
-                stamped = one.waypoint_pose
-            else:  # MissedWaypoint, before Kilted
-                one.index, stamped = k, one.goal
-            set_header(stamped.header, 0.0)
-            set_pose(stamped.pose, pose)
-
-
-def _lists(message: Any) -> list[str]:
-    return [name for name in ("waypoint_statuses", "missed_waypoints") if hasattr(message, name)]
-
-
-def _answer_active(_: Any, response: Any) -> Any:
-    response.current_state.id, response.current_state.label = ACTIVE, "active"
-    return response
+    has_failed = outcome not in ("", SUCCEEDED, CANCELLED)
+    statuses = [
+        {
+            "waypoint_status": COMPLETED if k < reached else PENDING,
+            **{"waypoint_index": k, "waypoint_pose": _stamped(0.0, pose)},
+            **{"index": k, "goal": _stamped(0.0, pose)},  # of MissedWaypoint, before Kilted
+        }
+        for k, pose in enumerate(running.goal)
+    ]
+    if has_failed:
+        failure = {"waypoint_status": FAILED, "error_code": unknown, "error_msg": outcome}
+        statuses[reached] |= failure
+    return statuses

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import import_module
+from types import SimpleNamespace
 from typing import Any
 
 from rclpy.action import ActionServer
@@ -14,45 +16,45 @@ from rclpy.task import Future
 
 from ..cell import Rejected
 from ..cell.admission import Notices
-from ..competition import RefusedError
+from ..competition import RefusedError, Values
+from ..competition.transport import Answer, Heard, Read
+from .messages import filled, values_of
 
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""Later subscribers get the last message too."""
-
-DEPTH = 10
+DEPTH = 100
 """Number of messages in the queue of a topic."""
+
+USUAL_RATE = 10.0
+"""Hz, in simulated time, of topics without another rate."""
 
 RESULTS_LAST = 900
 """Seconds of simulated time in which a client can get a result. 10, the default, pass fast."""
 
+CALLER = SimpleNamespace(name="")
+"""Client of every service, because ROS does not name it."""
 
+
+@dataclass(eq=False, frozen=True)
 class RosTopic:
-    """Topic on which the cell publishes. It is never needed if its type is not installed."""
+    """Topic on which the cell publishes what `read` returns at a rate (Hz).
 
-    def __init__(self, publisher: Any, new: Callable[..., Any]) -> None:
-        self.new = new
-        self._publisher = publisher
+    It is never needed if its type is not installed.
+    """
 
-    @property
-    def exists(self) -> bool:
-        """Whether the type is installed."""
-        return self._publisher is not None
+    publisher: Any
+    message: Callable[[], Any] | None
+    read: Read | None
+    rate: float
 
     @property
     def is_needed(self) -> bool:
         """Whether there is a subscriber."""
-        return self.exists and self._publisher.get_subscription_count() > 0
-
-    def publish(self, message: Any) -> None:
-        """Publish a message."""
-        if self.exists:
-            self._publisher.publish(message)
+        return self.message is not None and self.publisher.get_subscription_count() > 0
 
 
 class CellNode:
     """Node whose topics, services and actions exist if their types are installed.
 
-    `notice(line)` informs the user.
+    It is the `Transport` of ROS 2. `notice(line)` informs the user.
     """
 
     def __init__(self, node: Node, notice: Callable[[str], None]) -> None:
@@ -60,11 +62,12 @@ class CellNode:
         self.notice = notice
         self._omitted: dict[str, set[str]] = {}
         self._notices = Notices(notice)
+        self._read: list[RosTopic] = []
         self._turns: list[Future] = []
 
-    def find(self, interface: str, use: str) -> Any:
-        """Return a class such as "nav_msgs/msg/Odometry". Without it, omit its use: None."""
-        package, kind, name = interface.split("/")
+    def find(self, interface: str, kind: str, use: str) -> Any:
+        """Return the class of "nav_msgs/Odometry", a "msg". Without it, omit its use: None."""
+        package, _, name = interface.partition("/")
         try:
             return getattr(import_module(f"{package}.{kind}"), name)
         except (ImportError, AttributeError):
@@ -76,35 +79,74 @@ class CellNode:
         for package, uses in self._omitted.items():
             self.notice(f"without the ROS package {package}: no {', '.join(sorted(uses))}")
 
-    def publish_on(self, topic: str, interface: str, qos: Any = DEPTH) -> RosTopic:
-        """Return a topic to publish on."""
-        message = self.find(interface, topic)
-        if message is None:
-            return RosTopic(None, dict)
-        return RosTopic(self.node.create_publisher(message, topic, qos), message)
+    def advertise(
+        self,
+        name: str,
+        type_: str,
+        read: Read | None = None,
+        *,
+        heard: Heard | None = None,
+        latched: int = 0,
+        rate: float = USUAL_RATE,
+    ) -> RosTopic:
+        """Return a new topic. See `Transport`."""
+        qos = QoSProfile(depth=latched or DEPTH)
+        if latched:
+            qos.durability = DurabilityPolicy.TRANSIENT_LOCAL
+        message = self.find(type_, "msg", name)
+        publisher = None if message is None else self.node.create_publisher(message, name, qos)
+        topic = RosTopic(publisher, message, read, rate)
+        if read is not None:
+            self._read.append(topic)
+        if heard is not None:
+            self.listen(name, type_, heard)
+        return topic
 
-    def subscribe(self, topic: str, interface: str, take: Callable[[Any], None]) -> Any:
-        """Pass the messages of a topic on, and return the subscription, or None.
+    def publish(self, topic: RosTopic, message: Values) -> None:
+        """Publish a message, if its type is installed."""
+        if topic.message is not None:
+            topic.publisher.publish(filled(topic.message(), message))
+
+    def publish_state(self, rate: float) -> None:
+        """Publish the topics of a rate (Hz) that have subscribers."""
+        for topic in self._read:
+            if topic.rate == rate and topic.is_needed and topic.read is not None:
+                message = topic.read()
+                if message is not None:
+                    self.publish(topic, message)
+
+    def listen(self, name: str, type_: str, heard: Heard) -> Any:
+        """Add a topic on which clients publish, and return the subscription, or None.
 
         The user is informed of messages that are rejected.
         """
 
         def received(message: Any) -> None:
-            with self.rejecting(topic):
-                take(message)
+            with self.rejecting(name):
+                heard(values_of(message), "")
 
-        if (message := self.find(interface, topic)) is None:
+        if (message := self.find(type_, "msg", name)) is None:
             return None
-        return self.node.create_subscription(message, topic, received, DEPTH)
+        return self.node.create_subscription(message, name, received, DEPTH)
 
-    def provide(self, name: str, interface: str, answer: Callable[[Any, Any], Any]) -> None:
-        """Provide a service: `answer(request, response)` returns the response."""
-        if (service := self.find(interface, name)) is not None:
-            self.node.create_service(service, name, answer)
+    def provide(
+        self, name: str, type_: str, answer: Answer, request: Mapping[str, str] | None = None
+    ) -> None:
+        """Add a service. See `Transport`."""
 
-    def provide_action(self, name: str, interface: str, **callbacks: Any) -> Any:
-        """Provide an action with callbacks of rclpy, and return its type, or None."""
-        if (action := self.find(interface, name)) is not None:
+        def respond(values: Any, response: Any) -> Any:
+            try:
+                return filled(response, answer(CALLER, values_of(values)))
+            except (RefusedError, Rejected) as why:
+                text = str(why.named(name) if isinstance(why, Rejected) else why)
+                return filled(response, {"success": False, "message": text})
+
+        if (service := self.find(type_, "srv", name)) is not None:
+            self.node.create_service(service, name, respond)
+
+    def provide_action(self, name: str, type_: str, **callbacks: Any) -> Any:
+        """Provide an action with callbacks of rclpy, and return its class, or None."""
+        if (action := self.find(type_, "action", name)) is not None:
             ActionServer(self.node, action, name, result_timeout=RESULTS_LAST, **callbacks)
         return action
 

@@ -7,12 +7,17 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from ..cell import Cell, Pose, Velocity
+from ..competition import Values
+from ..competition.messages import header, pose_message, seconds_of, twist_message, vector
 from ..core.recorder import Figure
-from .messages import seconds, set_header, set_pose, set_twist
+from ..exports.scene import ROOT_FRAME
 from .node import CellNode
 
 Here = tuple[Figure, int, Pose, Velocity]
 """Figure, number, pose and velocity of a person on the floor."""
+
+PERSON = 1
+"""Type of a hunav_msgs/Agent."""
 
 
 class People:
@@ -35,85 +40,66 @@ class People:
         self._advance = advance
         self._begin_again = reset
         self._last_request: float | None = None
-        self._people = ros.publish_on("people", "people_msgs/msg/People")
-        self._person = ros.find("people_msgs/msg/Person", "people")
-        self._agents = ros.publish_on("human_states", "hunav_msgs/msg/Agents")
-        self._agent = ros.find("hunav_msgs/msg/Agent", "human_states")
-        self._poses = ros.publish_on("people_poses", "geometry_msgs/msg/PoseArray")
-        self._pose = ros.find("geometry_msgs/msg/Pose", "people_poses")
-        for name, interface, answer in (
-            ("compute_agents", "ComputeAgents", self._compute),
-            ("get_agents", "GetAgents", self._get),
-            ("reset_agents", "ResetAgents", self._reset),
-        ):
-            ros.provide(name, f"hunav_msgs/srv/{interface}", answer)
-
-    def publish(self) -> None:
-        """Publish the people who are on the floor."""
-        for topic, fill in (
-            (self._people, self._fill_people),
-            (self._agents, self._fill_agents),
-            (self._poses, self._fill_poses),
-        ):
-            if topic.is_needed:
-                message = topic.new()
-                fill(message)
-                set_header(message.header, self._cell.now)
-                topic.publish(message)
+        ros.advertise("people", "people_msgs/People", self._people)
+        ros.advertise("human_states", "hunav_msgs/Agents", self._agents)
+        ros.advertise("people_poses", "geometry_msgs/PoseArray", self._poses)
+        ros.provide("compute_agents", "hunav_msgs/ComputeAgents", self._compute)
+        ros.provide("get_agents", "hunav_msgs/GetAgents", lambda *_: {"agents": self._agents()})
+        ros.provide("reset_agents", "hunav_msgs/ResetAgents", self._reset)
 
     def _here(self) -> Iterator[Here]:
+        signals = self._cell.signals
         for number, person in enumerate(self._cell.simulation.scene.people):
-            pose, velocity = (
-                self._cell.signals[f"people/{person.name}/{name}"].read()
-                for name in ("pose", "velocity")
-            )
-            if pose is not None:
-                yield person, number, pose, velocity
+            if (pose := signals[f"people/{person.name}/pose"].read()) is not None:
+                yield person, number, pose, signals[f"people/{person.name}/velocity"].read()
 
-    def _fill_people(self, message: Any) -> None:
-        for figure, _, pose, velocity in self._here():
-            person = self._person(name=figure.name, reliability=1.0)
-            person.position.x, person.position.y = pose.x, pose.y
-            person.velocity.x, person.velocity.y = velocity.x, velocity.y
-            message.people.append(person)
+    @property
+    def _header(self) -> Values:
+        return header(self._cell.now, ROOT_FRAME)
 
-    def _fill_poses(self, message: Any) -> None:
-        for _, _, pose, _ in self._here():
-            message.poses.append(self._pose())
-            set_pose(message.poses[-1], pose)
+    def _people(self) -> Values:
+        people = [
+            {
+                "name": person.name,
+                "position": vector((pose.x, pose.y)),
+                "velocity": vector((velocity.x, velocity.y)),
+                "reliability": 1.0,
+            }
+            for person, _, pose, velocity in self._here()
+        ]
+        return {"header": self._header, "people": people}
 
-    def _fill_agents(self, message: Any) -> None:
-        for figure, number, pose, velocity in self._here():
-            agent = self._agent(id=number, name=figure.name, radius=figure.radius)
-            agent.type = agent.PERSON
-            set_pose(agent.position, pose)
-            set_twist(agent.velocity, velocity)
-            agent.yaw, agent.angular_vel = pose.heading, velocity.turn
-            agent.linear_vel = math.hypot(velocity.x, velocity.y)
-            message.agents.append(agent)
+    def _poses(self) -> Values:
+        poses = [pose_message(pose) for _, _, pose, _ in self._here()]
+        return {"header": self._header, "poses": poses}
 
-    def _compute(self, request: Any, response: Any) -> Any:
+    def _agents(self) -> Values:
+        agents = [
+            {
+                **{"id": number, "type": PERSON, "name": person.name, "radius": person.radius},
+                **{"position": pose_message(pose), "yaw": pose.heading},
+                **{"velocity": twist_message(velocity), "angular_vel": velocity.turn},
+                "linear_vel": math.hypot(velocity.x, velocity.y),
+            }
+            for person, number, pose, velocity in self._here()
+        ]
+        return {"header": self._header, "agents": agents}
+
+    def _compute(self, _: Any, request: Values) -> Values:
         """Advance by the time between two requests, and return the people."""
-        now = seconds(request.current_agents.header.stamp)
-        last, self._last_request = self._last_request, now
+        stamped = request["current_agents"]["header"]
+        now, last = seconds_of(stamped["stamp"]), self._last_request
+        self._last_request = now
         if last is not None and now > last:
             self._advance(now - last)
         elif last is not None and now < last:
             line = f"the clock went back from {last:g} to {now:g} s"
             self._ros.warn("compute_agents", line, "clock")
-        self._fill_agents(response.updated_agents)
-        response.updated_agents.header = request.current_agents.header
-        return response
+        return {"updated_agents": self._agents() | {"header": stamped}}
 
-    def _get(self, _: Any, response: Any) -> Any:
-        self._fill_agents(response.agents)
-        set_header(response.agents.header, self._cell.now)
-        return response
-
-    def _reset(self, _: Any, response: Any) -> Any:
+    def _reset(self, _: Any, __: Values) -> Values:
         """Begin the run again, with people at their first places."""
-        response.ok = self._begin_again is not None
         if self._begin_again is not None:
             self._begin_again()
             self._last_request = None
-        return response
+        return {"ok": self._begin_again is not None}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from functools import partial
 from io import StringIO
@@ -19,19 +19,19 @@ from floorplan import UserError
 
 from ..cell import Cell, Pace
 from ..cell.names import plain, prefix_of
+from ..cell.signals import POSES
 from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.topics import ENDED, STARTED
 from ..simulation import Simulation
 from .actions import Action
 from .control import Control
 from .entities import Entities
-from .frames import Frames, publish_map
+from .frames import add_frames, publish_map
 from .machines import VehicleTopics, gantry_action
-from .monitoring import Markers, Monitoring
+from .monitoring import DIAGNOSTICS, add_markers, add_monitoring
 from .navigation import navigation_of
-from .node import CellNode
+from .node import USUAL_RATE, CellNode
 from .people import People
-from .transport import RosTransport
 
 try:
     # Since Kilted. It does not look through all entities of the node before each callback.
@@ -39,23 +39,11 @@ try:
 except ImportError:
     from rclpy.executors import SingleThreadedExecutor as Executor
 
-RATE = 50
-"""Hz, in simulated time: the rate of clock, odometry and transforms."""
-
-SLOWLY = 10
-"""Hz: the rate of scans, people, joints, markers and feedback."""
-
 LONGEST_WAIT = 0.1
 """Seconds. How soon the server sees that it was stopped."""
 
 LAST_WAIT = 0.5
 """Seconds at the end of the run in which the results of goals are sent."""
-
-DIAGNOSTICS = 1
-"""Hz: the rate of diagnostics."""
-
-TRIGGER = "std_srvs/Trigger"
-
 
 LAST_DOMAIN = 232
 """Highest domain of which DDS can calculate the ports. It ends the process for higher ones."""
@@ -103,6 +91,7 @@ def serve(
     """
     if domain is not None and not 0 <= domain <= LAST_DOMAIN:
         raise RosError(f"domain must be from 0 to {LAST_DOMAIN}, not {domain}")
+    pace = Pace(simulation, speed=speed, step=step)
     context, signals = rclpy.Context(), SignalHandlerOptions.NO
     try:
         validate_namespace(f"/{namespace.lstrip('/')}")
@@ -111,7 +100,7 @@ def serve(
     except (RuntimeError, ValueError, NameValidationException) as why:
         raise RosError(f"ROS cannot start the node: {' '.join(str(why).split())}") from why
     try:
-        _RosServer(node, simulation, speed, step, notice, restart).run()
+        _RosServer(node, simulation, pace, notice, restart).run()
     finally:
         rclpy.shutdown(context=context)
 
@@ -123,52 +112,37 @@ class _RosServer:
         self,
         node: Node,
         simulation: Simulation,
-        speed: float,
-        step: bool,
+        pace: Pace,
         notice: Callable[[str], None],
         restart: Callable[[], Simulation] | None,
     ) -> None:
         self._restart = restart
-        self._pace = Pace(simulation, speed=speed, step=step)
-        self._cell = cell = Cell(simulation, self._pace)
-        ros = self._ros = CellNode(node, notice)
-        vehicles = [
-            name
-            for name, machine in simulation.machines.items()
-            if machine.shape.category == "vehicle"
-        ]
+        self._pace = pace
+        self._cell = cell = Cell(simulation, pace)
+        self._ros = ros = CellNode(node, notice)
+        machines = simulation.machines.values()
+        vehicles = [one.name for one in machines if one.shape.category == "vehicle"]
         self._vehicles = [
             VehicleTopics(ros, cell, name, prefix_of(simulation, name)) for name in vehicles
         ]
-        frames, monitoring = Frames(ros, cell, self._vehicles), Monitoring(ros, cell)
-        self._state = [
-            frames.publish_clock,
-            frames.publish_vehicles,
-            *(vehicle.publish_odometry for vehicle in self._vehicles),
-        ]
-        transport = RosTransport(ros)
-        self._competition = CompetitionTopics(cell, transport)
-        transport.provide("/ariac/start_competition", TRIGGER, self._answer_start)
-        transport.provide("/ariac/end_competition", TRIGGER, self._end)
-        actions: list[Action] = []
-        self._actions = actions
+        add_frames(ros, cell, self._vehicles)
+        add_monitoring(ros, cell)
+        add_markers(ros, cell)
+        self._actions: list[Action] = []
+        self._enter: Callable[[int], None] = lambda phase: None
         if simulation.gantry is not None:
-            add_gantry(cell, transport, root="")
-            actions.append(gantry_action(ros, cell, simulation.gantry.name))
+            self._enter = CompetitionTopics(cell, ros).enter
+            ros.provide("/ariac/start_competition", "std_srvs/Trigger", self._answer_start)
+            ros.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
+            add_gantry(cell, ros, root="")
+            self._actions.append(gantry_action(ros, cell, simulation.gantry.name))
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name in vehicles]
         for body in bodies:
-            actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
+            self._actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
         reset = self._reset if restart is not None else None
-        slowly = [
-            frames.publish_bodies,
-            People(ros, cell, self._advance_by, reset).publish,
-            Markers(ros, cell).publish,
-            *(vehicle.publish_scan for vehicle in self._vehicles),
-            transport.publish_state,
-            *(each.publish for each in actions),
-        ]
-        Control(ros, self._pace, partial(self._advance_by, 1 / RATE), reset)
+        People(ros, cell, self._advance_by, reset)
+        Control(ros, pace, partial(self._advance_by, 1 / POSES), reset)
         Entities(ros, cell)
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
@@ -176,13 +150,12 @@ class _RosServer:
         with redirect_stdout(StringIO()):  # rclpy prints that many actions may be inefficient
             self._executor.add_node(node)
             self._executor.spin_once(timeout_sec=0.0)
-        self._competition.enter(STARTED)
+        self._enter(STARTED)
         for event in simulation.events:
             cell.signals["events"].send(event)
-        _publish(self._state)
-        self._pace.every(1 / RATE, partial(_publish, self._state))
-        self._pace.every(1 / SLOWLY, partial(_publish, slowly))
-        self._pace.every(1 / DIAGNOSTICS, monitoring.publish_diagnostics)
+        for rate in (POSES, USUAL_RATE, DIAGNOSTICS):
+            pace.every(1 / rate, partial(ros.publish_state, rate))
+        pace.every(1 / USUAL_RATE, self._publish_feedback)
         domain = node.context.get_domain_id()
         notice(f"serving {node.get_fully_qualified_name()} in domain {domain}")
 
@@ -201,8 +174,8 @@ class _RosServer:
             if self._runs and pace.give_up():
                 self._ros.warn("speed", f"this machine is too slow for --speed {pace.speed:g}")
         self._cell.update()
-        _publish(self._state)
-        self._competition.enter(ENDED)
+        self._ros.publish_state(POSES)
+        self._enter(ENDED)
         last = time.monotonic()
         if any(action.is_busy for action in self._actions):
             last += LAST_WAIT
@@ -217,6 +190,10 @@ class _RosServer:
         self._pace.end()
         return {"success": True, "message": f"ended at t = {self._cell.now:g} s"}
 
+    def _publish_feedback(self) -> None:
+        for action in self._actions:
+            action.publish()
+
     def _look(self) -> None:
         """React to publishers that have come or gone."""
         for vehicle in self._vehicles:
@@ -228,10 +205,10 @@ class _RosServer:
         """Begin the run again, with another simulation."""
         assert self._restart is not None
         at = self._cell.now
-        self._competition.enter(STARTED)
+        self._enter(STARTED)
         self._cell.continue_with(self._restart())
         self._ros.notice(f"reset at t = {at:g} s: the clock starts again")
-        _publish(self._state)
+        self._ros.publish_state(POSES)
 
     @property
     def _runs(self) -> bool:
@@ -244,8 +221,3 @@ class _RosServer:
             return False
         self._pace.step(seconds)
         return True
-
-
-def _publish(publishers: Iterable[Callable[[], None]]) -> None:
-    for publish in publishers:
-        publish()

@@ -12,6 +12,8 @@ import shapely
 from floorplan import Point
 from navigation import FieldSet, Motion, ProtectiveFields, intrusions
 from navigation.contacts import Outlines, are_apart, shrunk
+from navigation.kernels.watched import WatchRow
+from navigation.monitor import RESOLUTION
 from navigation.motion import State
 
 from ..core.body import Machine, MachineShape
@@ -19,7 +21,7 @@ from ..core.clock import Turn
 from ..core.events import Collision, Contact
 from ..core.stage import Bystander, Stage
 from .margins import moving_spans
-from .monitors import BesideVehicles
+from .monitors import PersonWatches
 from .proximity import PARTED, NearnessMonitor
 
 TOUCH = 1e-6
@@ -46,19 +48,19 @@ class PersonContacts:
         self._monitors: dict[Bystander, list[NearnessMonitor]] = {}
         self._fields: dict[Machine, ProtectiveFields] = {}
 
-    def watch(self, person: Bystander, machine: Machine, beside: BesideVehicles | None) -> None:
-        """Watch a person beside a machine from now on, if it does not pass above them.
-
-        `beside` has the watches on the person beside vehicles, if the machine is one.
-        """
+    def watch(self, person: Bystander, machine: Machine, watches: PersonWatches) -> None:
+        """Add a watch beside a machine to those of a person, if it does not pass above them."""
         if machine.shape.bottom - self._stage.floorplan.human.height > TOUCH:
             return
         if machine not in self._fields:
             self._fields[machine] = _footprint_field(machine.shape)
         change = partial(self._change, person, machine)
         notify = partial(self._changed, person, machine)
-        bodies = person.body, machine.body
-        monitor = NearnessMonitor(self._stage, bodies, change, notify, Turn.VIOLATION, beside)
+        bodies, driven = (person.body, machine.body), machine.shape.category == "vehicle"
+        reach = self._fields[machine].reach + person.radius + TOUCH
+        row = WatchRow(self._stage.end, RESOLUTION, beyond=reach, driven=driven)
+        monitor = NearnessMonitor(self._stage, bodies, change, notify, Turn.VIOLATION, row)
+        watches.add(row, monitor.alarm, monitor.reconsider, machine.body)
         self._monitors.setdefault(person, []).append(monitor)
 
     def started(self, person: Bystander) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cached_property
-from typing import Literal, Protocol
+from typing import Literal
 
 from floorplan.files.dataclass import dataclass
 from navigation import (
@@ -17,6 +17,8 @@ from navigation import (
     TooClose,
     minimum_separation,
 )
+from navigation.kernels.watch import KernelCondition, in_kernel
+from navigation.kernels.watched import WatchRow, changed_rows, horizon
 from navigation.monitor import RESOLUTION, search
 from navigation.separation import AnyLaw, required_at, required_at_speeds
 
@@ -31,9 +33,6 @@ Cause = str
 
 CLEARANCE = 0.05
 """Distance beyond the required one at which a protective stop ends, m."""
-
-AFTERWARDS = 1.0
-"""Part of the endless standstill after two motions that is checked, s."""
 
 GLANCE = 0.1
 """Time after which a person who cannot see a machine nearby looks again, s."""
@@ -118,59 +117,54 @@ class Pair:
         return self.machine.shape.kind if speed > MOVES else PERSON
 
     def horizon(self) -> float:
-        """Return a time (s) after which nothing changes, or the end of the trial.
+        """Return a time (s) after which nothing changes, or the end of the trial."""
+        return horizon(self.clock.now, self._one.motion.end, self._other.motion.end, self.end)
 
-        It is later than the ends of the motions, because a motion may end at speed.
-        """
-        last, one, other = self.clock.now, self._one.motion.end, self._other.motion.end
-        if last < one:
-            last = one
-        if last < other:
-            last = other
-        last += AFTERWARDS
-        return last if last < self.end else self.end
+    def row(
+        self, condition: Condition, *, beyond: float = -math.inf, driven: bool = False
+    ) -> WatchRow:
+        """Return a row that searches for the first time at which `condition` holds."""
+        gauges = () if self.shapes is None else self.shapes.gauges
+        return WatchRow(self.end, RESOLUTION, gauges, in_kernel(condition), beyond, driven)
 
 
-class Reconsidering(Protocol):
-    """Monitor of a person beside a vehicle, which is active while the vehicle moves."""
+class PersonWatches:
+    """Monitors of one person beside machines.
 
-    lasts: bool
-    """Whether it is active although the vehicle is stationary."""
-
-    def reconsider(self) -> None:
-        """Recompute future events after a change of motion."""
-
-
-class BesideVehicles:
-    """Monitors of one person beside vehicles.
-
-    A new motion of the person updates only the active ones, because most vehicles are stationary.
+    A new motion of the person updates their rows in one call. A monitor acts only if its next
+    event has another time, or is not found by the kernel.
     """
 
     def __init__(self, person: Body) -> None:
-        self._clock = person.clock
-        self._watches: list[tuple[Body, Reconsidering]] = []
-        self._idle = False
-        """Whether no monitor is active until a vehicle starts to move."""
+        self._person = person
+        self._rows: list[WatchRow] = []
+        self._monitors: list[tuple[Alarm, Callable[[], None]]] = []
         person.on_change.append(self._changed)
 
-    def add(self, vehicle: Body, watch: Reconsidering) -> None:
-        """Add a monitor, which is updated after new motions of the person or the vehicle."""
-        self._watches.append((vehicle, watch))
-        vehicle.on_change += (self._vehicle_changed, watch.reconsider)
-        self._idle = False
+    def add(
+        self,
+        row: WatchRow,
+        alarm: Alarm,
+        reconsider: Callable[[], None],
+        machine: Body | None = None,
+    ) -> None:
+        """Add the row of a monitor with its `alarm`.
 
-    def _vehicle_changed(self) -> None:
-        self._idle = False
+        `reconsider` is called if the row is open, and after new motions of `machine`, if given.
+        """
+        self._rows.append(row)
+        self._monitors.append((alarm, reconsider))
+        if machine is not None:
+            machine.on_change.append(reconsider)
 
     def _changed(self) -> None:
-        if self._idle:
-            return
-        now, self._idle = self._clock.now, True
-        for vehicle, watch in self._watches:
-            if vehicle.motion.end >= now or watch.lasts:
-                watch.reconsider()
-                self._idle = False
+        person = self._person
+        for k in changed_rows(self._rows, person.motion, person.clock.now):
+            row, (alarm, reconsider) = self._rows[k], self._monitors[k]
+            if row.open:
+                reconsider()
+            else:
+                alarm.set(row.time)
 
 
 class SeparationMonitor:
@@ -190,36 +184,33 @@ class SeparationMonitor:
         self.pair = pair
         self.law = law
         self.intervals: list[tuple[float, float]] = []
-        self.lasts = False
-        """Whether there is a violation now."""
         self.plans = None if is_of_speeds_alone(law) else pair.remember_plans()
         """Plans of both, if `law` depends on more than their speeds."""
         self._violated = violated
         self._since: float | None = None
         self._notified_at = -math.inf
         self._condition = condition
-        self._needs_motion = pair.machine.shape.category == "vehicle"
-        self._alarm = Alarm(pair.clock, self._ring, Turn.VIOLATION)
+        # Stationary vehicles never violate.
+        self._driven = pair.machine.shape.category == "vehicle"
+        self.row = pair.row(condition, driven=self._driven)
+        self.alarm = Alarm(pair.clock, self._ring, Turn.VIOLATION)
         self.reconsider()
 
     def reconsider(self) -> None:
         """Recompute the next begin or end of a violation after a change of motion."""
-        now, machine = self.pair.clock.now, self.pair.machine.body
-        # Stationary vehicles never violate.
-        idle = self._needs_motion and machine.motion.end <= now
-        if idle and self._since is None:
-            self._alarm.set(None)
-            return
+        now = self.pair.clock.now
+        self.row.search(*self.pair.motions, now)
         if self._since is None:
-            self._alarm.set(self.pair.first_time(self._condition))
+            self.alarm.set(self.row.time)
             return
+        idle = self._driven and self.pair.machine.body.motion.end <= now
         coming = None if idle else self.pair.next_interval(self._condition)
         # The present interval begins now, within the resolution. A later one counts separately.
         if coming is None or coming[0] > now + 10 * RESOLUTION:
-            self._alarm.set(now)
+            self.alarm.set(now)
         else:
             # An interval that lasts to the horizon lasts until a motion changes.
-            self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
+            self.alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
 
     def required_before(self, t: float, person: Motion, machine: Motion) -> float:
         """Return the distance (m) that the law required of these tracks just before `t` (s)."""
@@ -256,11 +247,13 @@ class SeparationMonitor:
         """End the interval in progress now."""
         if self._since is not None:
             self.intervals.append((self._since, self.pair.clock.now))
-            self._since, self.lasts = None, False
+            self._since = None
+            self.row.asks = self.row.lasts = False
 
     def _ring(self) -> None:
         if self._since is None:
-            self._since, self.lasts = self.pair.clock.now, True
+            self._since = self.pair.clock.now
+            self.row.asks = self.row.lasts = True
             self._notify()
         else:
             self.close()
@@ -298,9 +291,6 @@ class NoticingMonitor:
     # therefore notified once: the distance has to grow by `parting` in between, which no
     # rounding at the threshold brings about. `rule.every` replaces the last two stages by a time.
 
-    _away: Condition
-    """The two have parted, or are nearer than at their nearest."""
-
     def __init__(
         self, pair: Pair, noticing: Noticing, noticed: Callable[[Pair, AnyLaw], None]
     ) -> None:
@@ -310,58 +300,62 @@ class NoticingMonitor:
         self._noticed = noticed
         self._hidden = False
         self._stage: Literal["alert", "closing", "parting"] = "alert"
-        self._silent_until = 0.0
         self._nearest = 0.0
-        self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
+        self.row = pair.row(noticing.closing_in)
+        self.alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
         self._perceiving = Alarm(pair.clock, self._perceive, Turn.NOTICE)
         self.reconsider()
 
     def reconsider(self) -> None:
         """Recompute the next change of stage after a change of motion."""
-        pair = self.pair
-        if self._stage == "alert":
-            of = self._conditions
-            condition = of.near if self._hidden else of.closing_in
-            self._alarm.set(pair.first_time(condition, self._silent_until))
-        elif self._stage == "closing":
-            self._alarm.set(pair.first_time(self._conditions.parting))
-        else:
-            self._alarm.set(pair.first_time(self._away))
+        self.row.search(*self.pair.motions, self.pair.clock.now)
+        self.alarm.set(self.row.time)
 
     def start_over(self) -> None:
         """Restart after `rule.silent` seconds, because the person starts or was moved."""
-        self._stage = "alert"
         self._perceiving.set(None)
         self._hidden = False
-        self._silent_until = max(self._silent_until, self.pair.clock.now + self.rule.silent)
+        self._be_alert(self.pair.clock.now + self.rule.silent)
+
+    def _be_alert(self, silent_until: float = 0.0) -> None:
+        """Wait for the next approach, after `silent_until` (s)."""
+        of = self._conditions
+        # People who first see a machine nearby notice it, regardless of their direction.
+        self._wait("alert", of.near if self._hidden else of.closing_in)
+        self.row.since = max(self.row.since, silent_until)
+
+    def _wait(
+        self, stage: Literal["alert", "closing", "parting"], condition: KernelCondition
+    ) -> None:
+        self._stage = stage
+        self.row.condition = condition
 
     def _ring(self) -> None:
         if self._stage == "alert":
             person, now = self.pair.person, self.pair.clock.now
-            # People who first see a machine nearby notice it, regardless of their direction.
             self._hidden = not person.sees(self.pair.machine)
             if self._hidden:
-                self._silent_until = max(self._silent_until, now + GLANCE)
+                self._be_alert(now + GLANCE)
                 self.reconsider()
                 return
             if self.rule.every is None:
-                self._stage = "closing"
+                self._wait("closing", self._conditions.parting)
             else:
-                self._silent_until = now + self.rule.every
+                self._be_alert(now + self.rule.every)
             if person.reaction_time > 0.0:
                 self._perceiving.set(now + person.reaction_time)
             else:
                 self._perceive()
         elif self._stage == "closing":
             self._nearest = self.pair.distance()
-            self._away = self._off_nearest()
-            self._stage = "parting"
+            self._wait("parting", self._off_nearest())
+        elif self.pair.distance() > self._nearest:
+            self._be_alert()
         else:
-            has_parted = self.pair.distance() > self._nearest
-            self._stage = "alert" if has_parted else "closing"
+            self._wait("closing", self._conditions.parting)
         self.reconsider()
 
-    def _off_nearest(self) -> Condition:
+    def _off_nearest(self) -> KernelCondition:
         """Return the condition that the two have parted, or are nearer than at their nearest."""
         # One millimetre less, so that rounding at the nearest point does not count as nearer.
         nearer, parted = max(self._nearest - 1e-3, 0.0), self._nearest + self.rule.parting

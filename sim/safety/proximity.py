@@ -8,12 +8,13 @@ from functools import partial
 from itertools import combinations
 
 from navigation import Apart, Condition, FixedDistance, Motion, TooClose, first_time
+from navigation.kernels.watched import WatchRow
 
 from ..core.body import Body, Machine
 from ..core.clock import Alarm, Turn
 from ..core.events import PeopleTooNear
 from ..core.stage import Bystander, Stage
-from .monitors import BesideVehicles, Pair
+from .monitors import Pair
 
 Change = Callable[[bool, Motion, Motion, float, float], float | None]
 """Returns when two motions part that are near (True), or come near that are not, if they do (s).
@@ -30,7 +31,7 @@ def by_conditions(near: Condition, parted: Condition) -> Change:
 class NearnessMonitor:
     """Calls `notify` as two bodies come so near that something holds (True), and as they part.
 
-    Among the watches `beside` vehicles, it reconsiders as these do.
+    It reconsiders after each new motion of both bodies, unless it has a `row`.
     """
 
     def __init__(
@@ -40,18 +41,16 @@ class NearnessMonitor:
         change: Change,
         notify: Callable[[bool], None],
         turn: Turn = Turn.NOTICE,
-        beside: BesideVehicles | None = None,
+        row: WatchRow | None = None,
     ) -> None:
-        self.lasts = False
-        """Whether they are near now."""
+        self.alarm = Alarm(stage.clock, self._ring, turn)
         self._stage = stage
         self._bodies = bodies
         self._change = change
         self._notify = notify
-        self._alarm = Alarm(stage.clock, self._ring, turn)
-        if beside is not None:
-            beside.add(bodies[1], self)
-        else:
+        self._row = row
+        self._is_near = False
+        if row is None:
             for body in bodies:
                 body.on_change.append(self.reconsider)
         self.reconsider()
@@ -61,13 +60,17 @@ class NearnessMonitor:
         one, other = self._bodies
         mine, theirs = one.motion, other.motion
         now = self._stage.clock.now
+        if self._row is not None:
+            self._row.search(mine, theirs, now)
         end = max(now, min(max(mine.end, theirs.end), self._stage.end))
-        self._alarm.set(self._change(self.lasts, mine, theirs, now, end))
+        self.alarm.set(self._change(self._is_near, mine, theirs, now, end))
 
     def _ring(self) -> None:
-        self.lasts = not self.lasts
+        self._is_near = not self._is_near
+        if self._row is not None:
+            self._row.asks = self._row.lasts = self._is_near
         self.reconsider()
-        self._notify(self.lasts)
+        self._notify(self._is_near)
 
 
 PARTED = 1e-3

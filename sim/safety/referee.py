@@ -14,12 +14,12 @@ from ..core.events import GantryDetected, Penalty, ProtectiveStop, ProtectiveSto
 from ..core.stage import Bystander, Stage
 from .contacts import PersonContacts
 from .monitors import (
-    BesideVehicles,
     Cause,
     Hold,
     Noticing,
     NoticingMonitor,
     Pair,
+    PersonWatches,
     SeparationMonitor,
 )
 
@@ -51,7 +51,7 @@ class Referee:
         self._stage = stage
         self._clock = stage.clock
         self._record = stage.record
-        self._beside: dict[Bystander, BesideVehicles] = {}
+        self._watches: dict[Bystander, PersonWatches] = {}
         self._stops: dict[SeparationMonitor, Hold] = {}
         self._notices: dict[Bystander, list[NoticingMonitor]] = {}
         self._stopped: dict[Machine, tuple[float, set[Bystander]]] = {}
@@ -69,24 +69,24 @@ class Referee:
         if self.rules.machine == "stop":
             stop = Hold(pair, watch.law, machine.shape.top_speed, self._stop_for)
             self._stops[watch] = stop
-        if machine.shape.category == "vehicle" and person not in self._beside:
-            self._beside[person] = BesideVehicles(person.body)
-        beside = self._beside[person] if machine.shape.category == "vehicle" else None
-        self.contacts.watch(person, machine, beside)
-        if beside is not None:
-            beside.add(machine.body, watch)
-        for body in (person.body, machine.body):
-            if beside is None:
-                body.on_change.append(watch.reconsider)
-            if watch in self._stops:
+        watches = self.watches_of(person)
+        self.contacts.watch(person, machine, watches)
+        watches.add(watch.row, watch.alarm, watch.reconsider, machine.body)
+        if watch in self._stops:
+            for body in (person.body, machine.body):
                 body.on_change.append(self._stops[watch].reconsider)
         if machine.shape.category == "robot":
             self._sanctions.setdefault(machine, _Sanction(self, machine))
             notice = NoticingMonitor(pair, self._noticing, self._notice)
             self._notices.setdefault(person, []).append(notice)
             person.body.on_jump.append(notice.start_over)
-            for body in (person.body, machine.body):
-                body.on_change.append(notice.reconsider)
+            watches.add(notice.row, notice.alarm, notice.reconsider, machine.body)
+
+    def watches_of(self, person: Bystander) -> PersonWatches:
+        """Return the monitors of a person, which are updated together."""
+        if person not in self._watches:
+            self._watches[person] = PersonWatches(person.body)
+        return self._watches[person]
 
     def started(self, person: Bystander) -> None:
         """Restart the interval without noticing, because the person starts."""

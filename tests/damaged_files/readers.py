@@ -179,8 +179,6 @@ def to_agent(path):
             trial.people[0],
             bdi.Agent(bdi.parse("")),
             waypoints=False,
-            now=lambda: 0.0,
-            perceived=lambda: None,
             notice=lambda text: None,
         ).connect(exchange, ())
         call = link._answers["call-1"] = asyncio.get_running_loop().create_future()

@@ -105,11 +105,13 @@ def test_retreats_are_those_of_a_plain_search() -> None:
         legs = legs_of(course)
         path = [somewhere(rng) for _ in range(rng.choice((1, 1, 2)))]
         places = [(rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5)) for _ in range(40)]
-        walks = Retreats(movers, me, course, 0.6, LEGS, TOP, FASTEST, ACCELERATION)
-        walks.look(path, numbers(c for place in places for c in place))
+        around = numbers(c for place in places for c in place)
+        walks = Retreats(movers, me, path[0], around, 0.6, LEGS, TOP, FASTEST, ACCELERATION, 1000)
+        walks.leave(legs)
+        walks.look(path, around)
         found = []
-        while (step := walks.next(1000, None, refusing))[0] is not None:
-            found.append((step[1], step[2], step[0].table))
+        while (walk := walks.next(1000, refusing)) is not None:
+            found.append((walks.index, walks.hit, walk.table))
         assert found == [*plainly(path, places, legs, moving, floor, refusing)], seed
         taken += len(found)
     assert taken > 200

@@ -648,7 +648,7 @@ def test_a_clock_that_goes_back_is_reported_and_the_agent_time_continues():
     times = []
     for t in (4.5, 5.0, 2.0, 3.0):
         agent._tick({"clock": {"sec": int(t), "nanosec": round(t % 1 * 1e9)}})
-        times.append(agent._now)
+        times.append(agent._person.now)
     assert times == [4.5, 5.0, 5.0, 6.0]
     assert notices == ["/clock goes back from 5 s to 2 s"]
 

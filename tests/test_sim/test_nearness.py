@@ -9,6 +9,7 @@ from navigation import Motion, standing
 from sim.core.body import Body
 from sim.core.clock import Clock
 from sim.safety.contacts import PersonContacts
+from sim.safety.monitors import PersonWatches
 from sim.safety.proximity import ApproachMonitor, Distancing
 
 RADIUS = 0.3
@@ -62,7 +63,7 @@ def along_x(*places, begin=0.0):
 
 def contacts_with(stage, person, machine):
     contacts = PersonContacts(stage)
-    contacts.watch(person, machine, None)
+    contacts.watch(person, machine, PersonWatches(person.body))
     contacts.started(person)
     return contacts
 
@@ -99,6 +100,23 @@ def test_a_vehicle_that_stops_at_a_person_ends_the_contact():
     machine.body.follow(along_x(4.5, 4.6, begin=5.0))
     stage.clock.run(until=19.0)
     assert contacts.count == 2
+
+
+@pytest.mark.parametrize("category", ["vehicle", "robot"])
+def test_a_person_who_walks_away_in_time_is_not_touched(category):
+    stage = Stage()
+    machine = stage.machine(along_x(0.0, 9.0), category)
+    person = stage.person("ann", (5.0, 0.0))
+    contacts = contacts_with(stage, person, machine)
+    stage.clock.run(until=0.5)
+    away = [(5.0, 0.0), (5.0, 3.0)]
+    person.body.follow(Motion.from_samples([0.5, 0.9], away))
+    stage.clock.run(until=5.0)
+    assert contacts.count == 0
+    back = [(5.0, 3.0), (9.0, 0.0)]
+    person.body.follow(Motion.from_samples([5.0, 9.0], back))
+    stage.clock.run(until=19.0)
+    assert contacts.count == (category == "robot")
 
 
 @pytest.mark.parametrize(("category", "drive"), [("vehicle", (0, 4.5, 5.5)), ("robot", (0, 5.0))])

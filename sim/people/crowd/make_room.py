@@ -11,8 +11,9 @@ from floorplan import Point
 from floorplan.files.dataclass import dataclass
 from navigation.kernels.committed import Movers
 from navigation.kernels.discs import Swath
+from navigation.kernels.edges import legs_of
 from navigation.kernels.numbers import numbers
-from navigation.kernels.retreats import Retreats
+from navigation.kernels.retreats import Retreats, RetreatSearch
 
 from .commitments import GAP, Commitments
 from .ground import Ground, first, length_of, nearest_length, rest
@@ -68,7 +69,7 @@ class RequestedMoves(Movers):
         return {people[k]: self.swath_of(i) for i, k in enumerate(self.indices)}
 
 
-class Request:
+class Request(RetreatSearch):
     """Request of a blocked `asker`, and the drafts of all people who move for it.
 
     Depth first: each asked person looks for the nearest position off the course of the asker, or
@@ -93,11 +94,12 @@ class Request:
         self._commitments = commitments
         self._ground_of = ground_of
         self._behind = behind
-        self._left = PARAMETERS.tries
-        self._refusing = bytearray()
-        """For each person, whether they have refused, or found no place."""
+        self._rank_counts = asker.time_blocked(now) <= PARAMETERS.rank_counts
         self._moving = RequestedMoves(commitments, now)
         """Drafts of the people who move for the request, the asker first."""
+        super().__init__(
+            self._moving, PARAMETERS.longest_chain, PARAMETERS.most_moved, PARAMETERS.tries
+        )
 
     @property
     def drafts(self) -> dict[Traveller, Swath]:
@@ -106,14 +108,15 @@ class Request:
 
     def succeeds(self, outlook: Outlook, passed: float) -> bool:
         """Return whether the asker gets past `passed` metres of the course if all move."""
+        asker = self._commitments.indices[self._asker]
         for course, length in self._courses(outlook, passed):
             # People who cannot step aside during the longest wait never can.
             latest = outlook.draft(course, length, delay=PARAMETERS.waits[-1])
             if latest is None:
                 continue
-            if self._left <= 0:
+            if self.left <= 0:
                 return False
-            if self._clear_for_asker(latest, first(course, length)):
+            if self.clear(asker, latest, first(course, length)):
                 self._set_out_sooner(outlook, course, length)
                 return True
         return False
@@ -169,175 +172,119 @@ class Request:
         ahead of the vehicle along its `course`.
         """
         moving, indices = self._moving, self._commitments.indices
-        self._refusing = bytearray(len(indices))
+        self.refuse(manner.alone)
         if manner.alone:
-            self._refusing = bytearray(b"\1" * len(indices))
-            self._left = len(ESCAPES)
+            self.left = len(ESCAPES)
         for disc in discs:
             moving.move(indices[disc], disc.swath)
-        return self._step(indices[me], course, 0, lead, manner)
+        walks = self._retreats(me, lead, manner)
+        return self.step(walks, [*course], legs_of([]), 0)
 
     def make_way(self, course: Sequence[Point]) -> None:
         """Draft steps off the committed motion of the asker along `course`, as far as possible."""
-        self._clear_for_asker(self._asker.swath, course)
+        asker = self._asker
+        self.clear(self._commitments.indices[asker], asker.swath, [*course])
 
-    def _clear_for_asker(self, draft: Swath, course: Sequence[Point]) -> bool:
-        """Draft steps of all people in the way of the asker. Return whether they exist."""
-        moving = self._moving
-        self._refusing = bytearray(len(self._commitments.people))
-        moving.keep(0)
-        moving.move(self._commitments.indices[self._asker], draft)
-        return self._clear(0, course, 0, moving.first_hit(0))
-
-    def _clear(self, mover: int, course: Sequence[Point], depth: int, hit: int) -> bool:
-        """Draft steps of all people in the way of a mover. Return whether they exist.
-
-        `hit` is the index of the first one, or -1.
-        """
-        # Check the drafts of a chain against each other and against the committed motions of all
-        # others, because all people of the chain are committed together.
-        moving = self._moving
-        while hit >= 0:
-            if self._is_enough(depth, len(moving.indices)) or self._refuses(hit):
-                return False
-            if not self._step(hit, course, depth):
-                return False
-            hit = moving.first_hit(mover)
-        return True
-
-    def _is_enough(self, depth: int, moving: int) -> bool:
-        """Return whether a chain has its maximum length, or the request its maximum size."""
-        return depth >= PARAMETERS.longest_chain or moving > PARAMETERS.most_moved
-
-    def _refuses(self, k: int) -> bool:
-        """Return whether a person refuses, and cache it."""
-        if self._refusing[k]:
-            return True
-        other = self._commitments.people[k]
-        refuses = not (
-            other is not self._asker
-            and other.manners.steps_aside
-            and not other.recorded
-            and other.body.motion.end <= self._now
-            and (
-                other.rank > self._asker.rank
-                or other in self._behind
-                or self._asker.time_blocked(self._now) > PARAMETERS.rank_counts
-            )
-        )
-        self._refusing[k] = refuses
-        return refuses
-
-    def _step(
-        self,
-        k: int,
-        course: Sequence[Point],
-        depth: int,
-        lead: Swath | None = None,
-        manner: Retreating | None = None,
-    ) -> bool:
-        """Draft a step of person `k` off `course`. Return whether it exists."""
-        # Depth first: a failed step removes all drafts made for it. A person without a place is not
-        # asked again for this course, because the search would have the same result.
-        moving = self._moving
-        count = len(moving.indices)
-        for retreat, walk, hit in self._retreats(k, course, depth, lead, manner):
-            moving.move(k, walk)
-            if self._clear(count, retreat, depth + 1, hit):
-                return True
-            moving.keep(count)
-        self._refusing[k] = self._left > 0
-        return False
+    def ask(self, k: int) -> PersonRetreats | None:
+        """See `RetreatSearch.ask`."""
+        other, asker = self._commitments.people[k], self._asker
+        if (
+            other.recorded
+            or other is asker
+            or not other.manners.steps_aside
+            or other.body.motion.end > self._now
+            or (self._rank_counts and other.rank <= asker.rank and other not in self._behind)
+        ):
+            return None
+        return self._retreats(other)
 
     def _retreats(
+        self, who: Traveller, lead: Swath | None = None, manner: Retreating | None = None
+    ) -> PersonRetreats:
+        """Return the retreats of a person, from vehicles if there is a `manner`."""
+        wide = self.left if manner else PARAMETERS.wide
+        k = self._commitments.indices[who]
+        return PersonRetreats(who, k, self._ground_of(who), self._moving, wide, lead, manner)
+
+
+class PersonRetreats(Retreats):
+    """Retreats of one person on the `ground`, from vehicles if there is a `manner`.
+
+    Places around the person come first, then places ahead along the course.
+    """
+
+    def __init__(
         self,
-        k: int,
-        course: Sequence[Point],
-        depth: int,
+        who: Traveller,
+        index: int,
+        ground: Ground,
+        moving: RequestedMoves,
+        wide: int,
         lead: Swath | None,
         manner: Retreating | None,
-    ) -> Iterator[tuple[list[Point], Swath, int]]:
-        """Yield courses off `course` with their walks, and the index of the first person met or -1.
-
-        Places around the person come first, then places ahead along `course`. No walk meets a
-        person who moves, or first meets one who refuses. `manner` is that of a retreat from
-        vehicles.
-        """
-        who = self._commitments.people[k]
-        ground, moving, refusing = self._ground_of(who), self._moving, self._refusing
-        if self._is_enough(depth + 1, len(moving.indices) + 1):
-            refusing = bytearray(b"\1" * len(refusing))
+    ) -> None:
+        self._who = who
+        self._ground = ground
+        self._moving = moving
+        self._lead = lead
+        self._struck = manner.struck if manner else None
         # This width assumes equal radii. The kernel checks each step exactly.
-        width = 2 * who.radius + GAP
+        self._width = 2 * who.radius + GAP
         margin = manner.margin if manner else 0.0
-        own = who.radius + GAP + margin
-        walks = Retreats(
+        self._own = who.radius + GAP + margin
+        self._reach = PARAMETERS.escape if manner else PARAMETERS.rings[-1]
+        start = who.swath.place if lead is None else lead.place
+        super().__init__(
             moving,
-            k,
-            [] if manner else [*course],
-            width,
+            index,
+            start,
+            ESCAPES if manner else AROUND,
+            self._width,
             ground.legs,
             who.top_speed,
             who.human.max_speed,
             who.human.max_acceleration,
+            wide,
             lead,
             margin,
         )
-        path: list[Point] = []
-        struck = manner and manner.struck
+        self._is_checked = self.is_checked([start, start])
 
-        def fitting(x: float, y: float, walk: Swath) -> Swath | None:
-            if not ground.free_and_back(path[-1], (x, y)):
-                return None
-            if who.zones:
-                slower = who.draft([*path, (x, y)], self._now, lead=lead)
-                if slower is None or any(
-                    moving.meets(i, slower, own) for i in range(len(moving.indices))
-                ):
-                    return None
-                walk = slower
-            return None if struck and struck(walk) else walk
+    def is_checked(self, path: list[Point]) -> bool:
+        """See `Retreats.is_checked`."""
+        if len(path) == 1:
+            return self._is_checked
+        return bool(
+            self._who.zones
+            or self._struck
+            or not self._ground.has_only_walls(path[-1], self._reach)
+        )
 
-        around, reach = (ESCAPES, PARAMETERS.escape) if manner else (AROUND, PARAMETERS.rings[-1])
-        wide = self._left if manner else PARAMETERS.wide
-        start = who.swath.place if lead is None else lead.place
-        for path, places in _lookout(start, course, around, width, ground):
-            walks.look(path, places)
-            fit = (
-                None
-                if not who.zones and not struck and ground.has_only_walls(path[-1], reach)
-                else fitting
-            )
-            while True:
-                walk, place, hit, tried = walks.next(min(wide, self._left), fit, refusing)
-                wide -= tried
-                self._left -= tried
-                if walk is None:
-                    break
-                x, y = path[-1]
-                yield [*path, (x + places[2 * place], y + places[2 * place + 1])], walk, hit
-            if wide <= 0 or self._left <= 0:
-                return
+    def fit(self, path: list[Point], walk: Swath) -> Swath | None:
+        """See `Retreats.fit`."""
+        if not self._ground.free_and_back(path[-2], path[-1]):
+            return None
+        slower = self._slower(path) if self._who.zones else walk
+        return None if slower is None or (self._struck and self._struck(slower)) else slower
 
+    def _slower(self, path: list[Point]) -> Swath | None:
+        """Return the walk within the speed limits of zones, unless it meets a person who moves."""
+        moving = self._moving
+        walk = self._who.draft(path, moving.now, lead=self._lead)
+        meets = walk and any(moving.meets(i, walk, self._own) for i in range(len(moving.indices)))
+        return None if meets else walk
 
-def _lookout(
-    at: Point,
-    course: Sequence[Point],
-    around: MutableSequence[float],
-    width: float,
-    ground: Ground,
-) -> Iterator[tuple[list[Point], MutableSequence[float]]]:
-    """Yield paths from `at`, and positions around their ends, relative to these (m).
+    def ahead(self, course: list[Point]) -> Iterator[tuple[list[Point], MutableSequence[float]]]:
+        """See `Retreats.ahead`.
 
-    The positions `around` come first. If the course fills the aisle, the person walks ahead along
-    it to the next wide place.
-    """
-    yield [at], around
-    step = PARAMETERS.stride
-    beyond = rest(course, nearest_length(course, at) + step)
-    lengths = (k * step for k in range(math.ceil(length_of(beyond) / step) + 1))
-    for path in ground.paths_ahead(at, beyond, lengths):
-        yield path, _beside(width)
+        If the course fills the aisle, the person walks ahead along it to the next wide place.
+        """
+        step = PARAMETERS.stride
+        at = self.start
+        beyond = rest(course, nearest_length(course, at) + step)
+        lengths = (k * step for k in range(math.ceil(length_of(beyond) / step) + 1))
+        for path in self._ground.paths_ahead(at, beyond, lengths):
+            yield path, _beside(self._width)
 
 
 @lru_cache(maxsize=64)

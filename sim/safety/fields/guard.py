@@ -21,7 +21,7 @@ from ...core.events import (
 )
 from ...core.fields import MachineFields
 from ...core.stage import Bystander, Stage
-from ..monitors import Pair
+from ..monitors import Pair, PersonWatches
 from .muting import MutingWatch
 from .reaction import Reaction
 from .watch import MOMENT, FieldWatch
@@ -57,16 +57,17 @@ class FieldGuard:
         stage: Stage,
         machine: Machine,
         fields: MachineFields,
-        people: Iterable[tuple[Bystander, float]],
+        people: Iterable[tuple[Bystander, float, PersonWatches]],
     ) -> None:
         self.machine = machine
         self._stage = stage
         self._clock = stage.clock
         self._fields = fields
-        self._watches = [
-            FieldWatch(Pair(stage, person, machine), fields, radius, self._changed)
-            for person, radius in people
-        ]
+        self._watches: list[FieldWatch] = []
+        for person, radius, watches in people:
+            watch = FieldWatch(Pair(stage, person, machine), fields, radius, self._changed)
+            watches.add(watch.row, watch.alarm, watch.reconsider)
+            self._watches.append(watch)
         zones = (zone for zone in stage.floorplan.zones if zone.name in fields.muting.zones)
         self._muting = MutingWatch(machine.body, zones, fields.muting.times, self._mute)
         self._unprotected = False
@@ -77,8 +78,6 @@ class FieldGuard:
         """End of the braking of a stopped machine, seconds."""
         self._gap = Alarm(stage.clock, self._find_gaps, Turn.VIOLATION)
         machine.body.on_change.append(self._machine_changed)
-        for watch in self._watches:
-            watch.pair.person.body.on_change.append(watch.reconsider)
 
     def begin(self) -> None:
         """Begin to watch. People who are in a field already trip it at once."""

@@ -25,8 +25,8 @@ class FieldWatch:
     occupied.
     """
 
-    # Most people are far from most machines. Beyond the reach of all fields, only the distance is
-    # watched, because that is faster than the polygons.
+    # Most people are far from most machines. Beyond the reach of all fields, only the row is
+    # watched, because distances are faster than the polygons.
 
     def __init__(
         self,
@@ -40,10 +40,10 @@ class FieldWatch:
         self._fields = fields.protective
         self._radius = radius
         self._reach = fields.reach + radius
-        self._near = TooClose(FixedDistance(self._reach))
         self._changed = changed
-        self._muted = False
-        self._alarm = Alarm(pair.clock, self.reconsider, Turn.VIOLATION)
+        self.row = pair.row(TooClose(FixedDistance(self._reach)), beyond=self._reach + BEYOND)
+        self.row.asks = True  # until the first search
+        self.alarm = Alarm(pair.clock, self.reconsider, Turn.VIOLATION)
 
     @property
     def person(self) -> str:
@@ -52,17 +52,18 @@ class FieldWatch:
 
     def mute(self, muted: bool) -> None:
         """Mute the fields, or end that."""
-        self._muted = muted
+        self.row.idle = muted
         self.reconsider()
 
     def reconsider(self) -> None:
         """Compute occupied fields and the next change. It is called for each new motion."""
-        if self._muted:
-            self._become({}, None)
-        elif self.pair.distance() > self._reach + BEYOND:
-            self._become({}, self.pair.first_time(self._near))
-        else:
+        # A person in a field may have left it.
+        self.row.asks = False
+        self.row.search(*self.pair.motions, self.pair.clock.now)
+        if self.row.open:
             self._become(*self._in_reach())
+        else:
+            self._become({}, self.row.time)
 
     def _in_reach(self) -> tuple[dict[str, str], float | None]:
         """Return the occupied fields with their sets, and the time of the next change (s)."""
@@ -88,7 +89,8 @@ class FieldWatch:
         return occupied, None if change == math.inf else change
 
     def _become(self, occupied: dict[str, str], change: float | None) -> None:
-        self._alarm.set(change)
+        self.alarm.set(change)
+        self.row.asks = bool(occupied)
         before = self.occupied
         if occupied.keys() != before.keys():
             self.occupied = {field: before.get(field, name) for field, name in occupied.items()}
