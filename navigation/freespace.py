@@ -368,18 +368,9 @@ _SIDES_IN_A_CELL = 2.0
 """Mean number of sides per cell of the grid."""
 
 
-class Walls:
-    """Edges of a floor, for discs of one radius (metres)."""
-
-    def __init__(self, floor: shapely.Geometry, radius: float) -> None:
-        self._radius = radius
-        sides = flat_sides(edges_of_room(floor))
-        low_x, low_y, high_x, high_y = floor.bounds
-        area = (high_x - low_x) * (high_y - low_y)
-        width = math.sqrt(area * _SIDES_IN_A_CELL / (len(sides) / 4))
-        self.grid = Grid(sides, width)
-        """Grid of the edges."""
-
-    def clear(self, a: Point, b: Point) -> bool:
-        """Return whether a disc touches nothing on the segment from `a`, where it is free, to b."""
-        return not self.grid.touched(a[0], a[1], b[0], b[1], self._radius)
+def walls(floor: shapely.Geometry) -> Grid:
+    """Return the grid of the edges of a floor."""
+    sides = flat_sides(edges_of_room(floor))
+    low_x, low_y, high_x, high_y = floor.bounds
+    area = (high_x - low_x) * (high_y - low_y)
+    return Grid(sides, math.sqrt(area * _SIDES_IN_A_CELL / (len(sides) / 4)))

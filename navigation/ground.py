@@ -16,9 +16,11 @@ import shapely
 from floorplan import Gate
 from floorplan.model import free_area
 
+from . import freespace
 from .bodies import CollisionBody, region
 from .contacts import Extent
-from .freespace import FreeSpace, Gates, Narrows, Walls, narrows, shrunk, without
+from .freespace import FreeSpace, Gates, Narrows, narrows, shrunk, without
+from .kernels.edges import Grid
 from .roadmap import Roadmap
 
 MOST_KEPT = 8
@@ -104,7 +106,7 @@ def roadmap(
 
     No link crosses one of the `gates` against its direction.
     """
-    return Roadmap(floor, radius, step, Gates(gates), walls(floor, radius).grid)
+    return Roadmap(floor, radius, step, Gates(gates), walls(floor))
 
 
 @_cached(MOST_KEPT)
@@ -114,6 +116,6 @@ def narrow_places(floor: shapely.Geometry, radius: float, abreast: int) -> Narro
 
 
 @_cached(MOST_KEPT)
-def walls(floor: shapely.Geometry, radius: float) -> Walls:
-    """Return the walls of `floor` for discs of `radius` metres."""
-    return Walls(floor, radius)
+def walls(floor: shapely.Geometry) -> Grid:
+    """Return the grid of the edges of a floor."""
+    return freespace.walls(floor)

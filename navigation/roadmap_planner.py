@@ -40,7 +40,7 @@ class Links:
         self._judged: dict[tuple[Point, Point], bool] = {}
         self._judged_at = world.changes
         self._keep = radius + SLACK
-        self._walls = world.walls(self._keep)
+        self._walls = world.walls
         self._floor = self.room([])
         self._place = self.room([], _SURE)
 
@@ -81,7 +81,7 @@ class Links:
     def room(self, bodies: Collection[CollisionBody], beyond: float = 0.0) -> Room:
         """Return the room among the floor and `bodies`, `beyond` the clearance (metres)."""
         outlines = [body.outline for body in bodies]
-        return Room(self._walls.grid, self._keep + beyond, outlines, self.world.gates.lines)
+        return Room(self._walls, self._keep + beyond, outlines, self.world.gates.lines)
 
     def free(self, a: Point, b: Point) -> bool:
         """Return whether the link from a to b is free."""

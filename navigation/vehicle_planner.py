@@ -1,8 +1,8 @@
 """Paths of vehicles with a footprint: guided by the roadmaps of discs, otherwise OMPL's in SE(2).
 
-A path consists of straight drives and turns on the spot. FCL tests them. A drive is one query about
-a box that encloses the swept area. For a rectangle along its heading, the box is that area. A turn
-is free if the disc around it is, or otherwise if larger boxes at intermediate angles are.
+A path consists of straight drives and turns on the spot. A drive covers a box that encloses the
+swept area. A turn is free if the disc around it is, or otherwise if larger boxes at intermediate
+angles are. The searches test edges in the plane, and FCL tests the boxes of the resulting path.
 
 Most vehicles turn in open places and pass narrow ones straight. So the shortest path of a disc that
 is little wider than the vehicle guides the search. Its bends move to the nearest places where the
@@ -13,9 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import deque
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import fcl
 import numpy as np
@@ -24,12 +22,15 @@ import shapely
 from numpy.typing import NDArray
 from shapely import affinity
 from shapely.geometry import Polygon
+from shapely.geometry.polygon import orient
 
 from floorplan import Point, UserError
 from floorplan.files.dataclass import dataclass
 
-from .bodies import region
+from .bodies import CollisionBody
 from .catalog import PlanningError
+from .kernels.footprints import FootprintRoom
+from .kernels.numbers import numbers_of
 from .planner import PathPlanner
 from .pose_search import PoseSearch
 from .sampling import TooManyChecksError, no_log
@@ -117,36 +118,43 @@ class VehiclePlanner:
         self.footprint = footprint
         self.limits = limits or VehicleLimits()
         self.seed = seed
-        self._corners = [(float(x), float(y)) for x, y in footprint.exterior.coords[:-1]]
-        self._outer = float(np.hypot(*np.array(self._corners).T).max())
+        corners = shapely.get_coordinates(footprint)[:-1]
+        outer = float(np.hypot(*corners.T).max())
         half_turned = affinity.scale(footprint, -1.0, -1.0, origin=(0.0, 0.0))
-        self._is_same_backwards = not self.limits.holonomic and half_turned.equals(footprint)
         self._inner = float(footprint.exterior.distance(shapely.Point(0.0, 0.0)))
-        # Half a step of δ from a box, the distance of a corner is at most r sin(δ / 2).
-        self._step = 2 * math.asin(min(_SAG / self._outer, 1.0))
-        self._walls = world.walls(max(self._inner - SLACK, 0.0))
-        self._shape = region(footprint)
+        self._room = FootprintRoom(
+            world.walls,
+            numbers_of(corners),
+            [numbers_of(part) for part in _convex_parts(footprint)],
+            SLACK,
+            _SAG,
+            self.limits.holonomic,
+            not self.limits.holonomic and half_turned.equals(footprint),
+        )
+        self._bodies: Sequence[CollisionBody] = ()
         self._box = fcl.Box(1.0, 1.0, _THICK)
         self._boxes = fcl.CollisionObject(self._box, fcl.Transform())
         self._side = np.array([1.0, 1.0, _THICK])
         self._middle, self._rotation = np.zeros(3), np.zeros(4)
-        (_, low), (_, high) = self._extent(1.0, 0.0)
-        width = high - low
-        narrow = min(width / 2 + _ROOM, self._outer)
+        narrow = min(float(np.ptp(corners[:, 1])) / 2 + _ROOM, outer)
         self._guides = [
-            PathPlanner(world, radius)
-            for radius in dict.fromkeys((narrow, self._outer + 2 * SLACK))
+            PathPlanner(world, radius) for radius in dict.fromkeys((narrow, outer + 2 * SLACK))
         ]
-        self._ball = fcl.CollisionObject(fcl.Sphere(self._outer + SLACK), fcl.Transform())
+        self._outer = outer
+
+    @property
+    def room(self) -> FootprintRoom:
+        """Room for the vehicle among the present bodies."""
+        bodies = self.world.bodies
+        if bodies is not self._bodies:
+            self._bodies = bodies
+            self._room.place([body.outline for body in bodies], self.world.gates.lines)
+        return self._room
 
     def fits(self, pose: Sequence[float]) -> bool:
         """Return whether the vehicle touches nothing in a pose (x, y, rotation)."""
         x, y, rotation = map(float, pose)
-        if self._is_walled((x, y), (x, y)):
-            return False
-        self._put(self._shape, (x, y), rotation)
-        (low_x, low_y), (high_x, high_y) = self._extent(math.cos(rotation), -math.sin(rotation))
-        return self.world.clear_of(self._shape, (x + low_x, y + low_y, x + high_x, y + high_y))
+        return self.room.fits(x, y, rotation)
 
     def plan(
         self, start: Sequence[float], goal: Sequence[float], *, thorough: bool = True
@@ -190,23 +198,28 @@ class VehiclePlanner:
         if poses is None:
             self._require_passage(begin, to)
             poses = self._sampled(begin, to, ends, end) if thorough else None
-        if poses is None:
+        path = None if poses is None else _distinct(poses)
+        if path is None or not self.free_along(path):
             message = (
                 f"no path was found for the footprint from {_shown(begin)} to {_shown((*to,))}"
             )
             raise PlanningError("not_found", message)
-        return VehiclePath(poses=np.array(_distinct(poses)))
+        return VehiclePath(poses=np.array(path))
 
     def free_along(self, poses: Sequence[Sequence[float]]) -> bool:
         """Return whether the vehicle touches nothing on a path through `poses`."""
-        for one, other in itertools.pairwise(poses):
-            a, b = (one[0], one[1]), (other[0], other[1])
-            if a != b:
-                if not self._drive_free(a, b, one[2]):
-                    return False
-            elif not self._turn_free(a, one[2], other[2]):
-                return False
-        return True
+        return all(itertools.starmap(self._is_free, itertools.pairwise(poses)))
+
+    def _is_free(self, one: Sequence[float], other: Sequence[float]) -> bool:
+        """Return whether a drive or turn is free, by FCL."""
+        (ax, ay, begin), (bx, by, end) = one, other
+        if (ax, ay) != (bx, by):
+            box = self._room.drive_box(ax, ay, bx, by, begin)
+            return self.world.gates.allow((ax, ay), (bx, by)) and self._box_free(box)
+        if self.world.free((ax, ay), self._outer + SLACK):
+            return True
+        angles = self._room.turn_angles(begin, end)
+        return all(self._box_free(self._room.turn_box(ax, ay, angle)) for angle in angles)
 
     def _headings(self, begin: Pose, to: Point) -> list[Pose]:
         """Return free poses at a goal without a rotation, the rotation of the start first."""
@@ -259,31 +272,37 @@ class VehiclePlanner:
     def _nearby(self, pose: Pose) -> Iterator[Pose]:
         """Yield a pose, and the nearest one ahead or back where the vehicle can turn."""
         yield pose
-        at, c, s = (pose[0], pose[1]), math.cos(pose[2]), math.sin(pose[2])
-        radius = self._outer + 2 * SLACK
-        if self.world.free(at, radius):
+        (x, y, rotation), room = pose, self.room
+        if room.turns(x, y, 2 * SLACK):
             return
+        c, s = math.cos(rotation), math.sin(rotation)
         for k in range(1, math.ceil(2 * self._outer / _BIT) + 1):
             for away in (k * _BIT, -k * _BIT):
-                there = (at[0] + away * c, at[1] + away * s)
-                if self.world.free(there, radius) and self._drive_free(at, there, pose[2]):
-                    yield (*there, pose[2])
+                there = (x + away * c, y + away * s)
+                if room.turns(*there, 2 * SLACK) and room.drive_free(x, y, *there, rotation):
+                    yield (*there, rotation)
                     return
 
     def _room_to_turn(self, at: Point) -> Point | None:
         """Return the place nearest to `at` where the vehicle can turn completely."""
         radius = self._outer + 2 * SLACK
-        return at if self.world.free(at, radius) else self.world.nearest_free(at, radius)
+        return at if self.room.turns(*at, 2 * SLACK) else self.world.nearest_free(at, radius)
 
     def _sampled(
         self, begin: Pose, to: Point, ends: Sequence[Pose], end: Pose | None
     ) -> list[Pose] | None:
         """Return the path of RRT-Connect within its budget."""
         low_x, low_y, high_x, high_y = self.world.plan.boundary.bounds
+        room = self.room
         for k, target in enumerate(ends[:_TRIED]):
             with no_log():
                 ou.RNG.setSeed(self.seed + k + 1)
-                search = PoseSearch((low_x, low_y), (high_x, high_y), self._link, self.fits)
+                search = PoseSearch(
+                    (low_x, low_y),
+                    (high_x, high_y),
+                    lambda one, other: room.between(one, other[:2], other[2]) is not None,
+                    lambda pose: room.fits(*pose),
+                )
                 try:
                     states = search.run(begin, target, _ITERATIONS // len(ends[:_TRIED]))
                 except TooManyChecksError:
@@ -297,115 +316,22 @@ class VehiclePlanner:
                 return min([joined, shorter or joined], key=self.seconds)
         return None
 
-    def _link(self, one: Pose, other: Pose) -> bool:
-        return self.between(one, (other[0], other[1]), other[2]) is not None
-
     def between(self, one: Pose, to: Point, rotation: float | None) -> list[Pose] | None:
         """Return the poses of turn, drive and turn from one pose on, or None if not free."""
-        a = (one[0], one[1])
-        if math.dist(a, to) < SLACK:
-            return self._turn(a, one[2], one[2] if rotation is None else rotation)
-        for heading in self._ways(one, to):
-            # The drive first, because it is one query.
-            if not self._drive_free(a, to, heading):
-                if self._is_same_backwards:
-                    return None
-                continue
-            first = self._turn(a, one[2], heading)
-            if first is None:
-                continue
-            last = self._turn(to, first[-1][2], first[-1][2] if rotation is None else rotation)
-            if last is not None:
-                return [*first, (*to, first[-1][2]), *last]
-        return None
+        return self.room.between(one, to, math.nan if rotation is None else rotation)
 
-    def _ways(self, one: Pose, to: Point) -> list[float]:
-        """Return the headings in which the vehicle can drive straight to a place."""
-        ahead = math.atan2(to[1] - one[1], to[0] - one[0])
-        ways = [ahead, ahead + math.pi]
-        return [one[2], *ways] if self.limits.holonomic else ways
-
-    def _turn(self, at: Point, begin: float, end: float) -> list[Pose] | None:
-        """Return the pose after a turn, in the shorter direction if that is free."""
-        short = math.remainder(end - begin, math.tau)
-        for turn in (short, short - math.copysign(math.tau, short)):
-            if abs(turn) < 1e-9:
-                return [(*at, begin)]
-            if self._turn_free(at, begin, begin + turn):
-                return [(*at, begin + turn)]
-        return None
-
-    def _drive_free(self, a: Point, b: Point, rotation: float) -> bool:
-        """Return whether a straight drive with the heading `rotation` is free."""
-        gates = self.world.gates
-        if gates.lines and not gates.allow(a, b):
-            return False
-        if self._is_walled(a, b):
-            return False
-        length = math.dist(a, b)
-        c, s = (b[0] - a[0]) / length, (b[1] - a[1]) / length
-        turned = math.atan2(s, c) - rotation
-        (low, right), (high, left) = self._extent(math.cos(turned), math.sin(turned))
-        along, across = (low - SLACK, high + SLACK + length), (right - SLACK, left + SLACK)
-        return self._box_free(a, (c, s), along, across)
-
-    def _turn_free(self, at: Point, begin: float, end: float) -> bool:
-        """Return whether a turn on the spot is free."""
-        x, y = at
-        r = self._outer + SLACK
-        self._put(self._ball, at, 0.0)
-        if self.world.clear_of(self._ball, (x - r, y - r, x + r, y + r)):
-            return True
-        count = max(1, math.ceil(abs(end - begin) / self._step))
-        (low, right), (high, left) = self._extent(1.0, 0.0)
-        more = _SAG + SLACK
-        spans = (low - more, high + more), (right - more, left + more)
-        # Boxes in the middle of each step enclose the turn to its ends. Neighbours mostly meet the
-        # same obstacle, so the order bisects the turn.
-        untested = deque([(0, count)])
-        while untested:
-            first, last = untested.popleft()
-            k = (first + last) // 2
-            angle = begin + (end - begin) * (k + 0.5) / count
-            if not self._box_free(at, (math.cos(angle), math.sin(angle)), *spans):
-                return False
-            untested += [span for span in ((first, k), (k + 1, last)) if span[0] < span[1]]
-        return True
-
-    def _is_walled(self, a: Point, b: Point) -> bool:
-        """Return whether the disc inside the footprint meets the edges of the floor from a to b."""
-        return not self._walls.clear(a, b)
-
-    def _box_free(
-        self, at: Point, direction: Point, along: tuple[float, float], across: tuple[float, float]
-    ) -> bool:
-        """Return whether a box is free, with spans along and across `direction` from `at`."""
-        (x, y), (c, s) = at, direction
-        ahead, aside = (along[0] + along[1]) / 2, (across[0] + across[1]) / 2
-        length, width = along[1] - along[0], across[1] - across[0]
-        middle = (x + ahead * c - aside * s, y + ahead * s + aside * c)
-        self._side[0], self._side[1] = length, width
+    def _box_free(self, corners: Sequence[float]) -> bool:
+        """Return whether a box touches nothing, by FCL."""
+        (ax, ay), (bx, by), (cx, cy), (dx, dy) = zip(*[iter(corners)] * 2, strict=True)
+        self._side[0], self._side[1] = math.dist((ax, ay), (bx, by)), math.dist((bx, by), (cx, cy))
         self._box.side = self._side
-        self._put(self._boxes, middle, math.atan2(s, c))
-        reach_x = (abs(c) * length + abs(s) * width) / 2
-        reach_y = (abs(s) * length + abs(c) * width) / 2
-        return self.world.clear_of(
-            self._boxes,
-            (middle[0] - reach_x, middle[1] - reach_y, middle[0] + reach_x, middle[1] + reach_y),
-        )
-
-    def _put(self, shape: Any, at: Point, rotation: float) -> None:
-        turn, middle = self._rotation, self._middle
-        turn[0], turn[3] = math.cos(rotation / 2), math.sin(rotation / 2)
-        middle[0], middle[1] = at
-        shape.setQuatRotation(turn)
-        shape.setTranslation(middle)
-
-    def _extent(self, cosine: float, sine: float) -> tuple[Point, Point]:
-        """Return minimum and maximum of the corners' coordinates on turned axes."""
-        along = [x * cosine + y * sine for x, y in self._corners]
-        across = [y * cosine - x * sine for x, y in self._corners]
-        return (min(along), min(across)), (max(along), max(across))
+        half = math.atan2(by - ay, bx - ax) / 2
+        self._rotation[0], self._rotation[3] = math.cos(half), math.sin(half)
+        self._middle[0], self._middle[1] = (ax + cx) / 2, (ay + cy) / 2
+        self._boxes.setQuatRotation(self._rotation)
+        self._boxes.setTranslation(self._middle)
+        x, y = (ax, bx, cx, dx), (ay, by, cy, dy)
+        return self.world.clear_of(self._boxes, (min(x), min(y), max(x), max(y)))
 
     def _joined(self, states: Sequence[Pose]) -> list[Pose]:
         """Return the poses of OMPL's path as it is."""
@@ -511,6 +437,14 @@ def footprint_fault(footprint: Polygon) -> str:
     if not footprint.contains(shapely.Point(0.0, 0.0)):
         return "must contain (0, 0), about which the vehicle turns"
     return ""
+
+
+def _convex_parts(footprint: Polygon) -> list[NDArray[np.float64]]:
+    """Return the corners of convex parts of a footprint, counterclockwise."""
+    is_convex = footprint.convex_hull.area - footprint.area < 1e-12
+    triangles = [*shapely.constrained_delaunay_triangles(footprint).geoms]
+    parts = [footprint.convex_hull] if is_convex else triangles
+    return [shapely.get_coordinates(orient(part))[:-1] for part in parts]
 
 
 def _pose(pose: Sequence[float], end: str) -> Pose:

@@ -17,8 +17,8 @@ from floorplan.files.values import Named
 
 from . import ground
 from .bodies import TOLERANCE, CollisionBody, Disc, Sweep, touch
-from .freespace import FreeSpace, Gates, Narrows, Walls
-from .kernels.edges import come_into
+from .freespace import FreeSpace, Gates, Narrows
+from .kernels.edges import Grid, come_into
 from .kernels.numbers import numbers
 from .roadmap import HAIR, Roadmap
 
@@ -275,9 +275,10 @@ class CollisionWorld:
         """
         return ground.narrow_places(self.floor, radius, abreast)
 
-    def walls(self, radius: float) -> Walls:
-        """Return the walls of the floor for discs of `radius` metres. Bodies do not count."""
-        return ground.walls(self.floor, radius)
+    @property
+    def walls(self) -> Grid:
+        """Edges of the floor. Bodies do not count."""
+        return ground.walls(self.floor)
 
     def roadmap(self, radius: float, step: float) -> Roadmap:
         """Return the visibility graph of the floor for discs of `radius` metres.

@@ -1,3 +1,4 @@
+from navigation.kernels.convex cimport meets_edge
 from navigation.kernels.cubics cimport *
 
 cdef double _WIDER, _LEVEL
@@ -9,6 +10,7 @@ cdef class Grid:
     cdef list[Numbers] cells
     cdef Numbers lately
     cpdef bint touched(self, double ax, double ay, double bx, double by, double radius)
+    cpdef bint meets(self, Numbers polygon)
     cpdef bint inside(self, double x, double y)
     cdef Py_ssize_t _column(self, double x) noexcept
     cdef Py_ssize_t _row(self, double y) noexcept

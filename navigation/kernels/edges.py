@@ -18,6 +18,7 @@ else:
 from .numbers import Place, flat
 
 if not cython.compiled:
+    from .convex import meets_edge
     from .cubics import *
 
 _WIDER: float = 1.001  # factor of a radius, so that rounding skips no cell beside a sweep
@@ -83,6 +84,22 @@ class Grid:
         for k in range(1, count):
             latest[k] = edges_of(last)[k - 1]
         return 0
+
+    def meets(self, polygon: Numbers) -> bool:
+        """Return whether an edge meets a convex polygon."""
+        box: BoundingBox = box_around(polygon, position_count(polygon))
+        row: cython.Py_ssize_t
+        column: cython.Py_ssize_t
+        k: cython.Py_ssize_t
+        for row in range(self._row(box.low_y), self._row(box.high_y) + 1):
+            for column in range(self._column(box.low_x), self._column(box.high_x) + 1):
+                edges: Numbers = self.cells[row * self.columns + column]
+                for k in range(edge_count(edges)):
+                    e: Edge = edges_of(edges)[k]
+                    near: bool = min(e.ax, e.bx) <= box.high_x and max(e.ax, e.bx) >= box.low_x
+                    if near and meets_edge(polygon, e):
+                        return True
+        return False
 
     def inside(self, x: float, y: float) -> bool:
         """Return whether a place is within the edges: a ray crosses an odd number of them."""

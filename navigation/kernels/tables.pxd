@@ -92,6 +92,9 @@ cdef inline int phase_cut(Numbers table, Py_ssize_t count) except -1:
 cdef struct Position:
     double x, y
 
+cdef struct Placement:
+    double x, y, rotation
+
 cdef struct Circle:
     double x, y, radius
 
@@ -114,6 +117,7 @@ cdef struct CellWindow:
     Py_ssize_t column, row, columns, rows
 
 ctypedef Position* Positions
+ctypedef Placement* Placements
 ctypedef Circle* Circles
 ctypedef Edge* Edges
 ctypedef BoundingBox* Boxes
@@ -133,6 +137,18 @@ cdef inline Numbers first_positions(Numbers row, Py_ssize_t count):
 
 cdef inline int positions_put(Numbers row, Numbers first) noexcept:
     return put(at(row), 0, at(first), 0, len(first))
+
+cdef inline Placements placements_of(Numbers row) noexcept:
+    return <Placement*> row.data.as_doubles
+
+cdef inline Py_ssize_t placement_count(Numbers row) noexcept:
+    return len(row) // 3
+
+cdef inline Numbers placement_room(Py_ssize_t count):
+    return room(3 * count)
+
+cdef inline int placement_grow(Numbers row, Py_ssize_t count) except -1:
+    return grow(row, 3 * count)
 
 cdef inline Circles circles_of(Numbers row) noexcept:
     return <Circle*> row.data.as_doubles

@@ -199,6 +199,14 @@ class Position(NamedTuple):
     y: float
 
 
+class Placement(NamedTuple):
+    """Place on a floor (metres) and rotation (radians)."""
+
+    x: float
+    y: float
+    rotation: float
+
+
 class Circle(NamedTuple):
     """Circle on a floor (metres)."""
 
@@ -265,12 +273,14 @@ class CellWindow(NamedTuple):
 
 
 Positions: TypeAlias = "Rows[Position]"
+Placements: TypeAlias = "Rows[Placement]"
 Circles: TypeAlias = "Rows[Circle]"
 Edges: TypeAlias = "Rows[Edge]"
 Boxes: TypeAlias = "Rows[BoundingBox]"
 GateLines: TypeAlias = "Rows[GateLine]"
 
 positions_of, position_count, position_room = _view(Position, 2), _count(2), _room(2)
+placements_of, placement_count, placement_room = _view(Placement, 3), _count(3), _room(3)
 circles_of, circle_count, circle_room, circle_cut = _view(Circle, 3), _count(3), _room(3), _cut(3)
 edges_of, edge_count, edge_room = _view(Edge, 4), _count(4), _room(4)
 boxes_of, box_count, box_cut = _view(BoundingBox, 4), _count(4), _cut(4)
@@ -285,6 +295,11 @@ def first_positions(row: Numbers, count: int) -> Numbers:
 def positions_put(row: Numbers, first: Numbers) -> None:
     """Set the first positions of a row to those of another."""
     row[: len(first)] = first
+
+
+def placement_grow(row: Numbers, count: int) -> None:
+    """Lengthen a row to a number of placements."""
+    grow(row, 3 * count)
 
 
 def row_of_box(box: BoundingBox) -> Numbers:

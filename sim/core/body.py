@@ -488,6 +488,11 @@ class Machine(InProgress, ABC):
         """Whether a vehicle that is stationary may leave, so that others can wait for that."""
         return False
 
+    @property
+    def stopping_distance(self) -> float:
+        """Longest distance of a stop in metres, by default without a limit."""
+        return math.inf
+
     def stopping(self, state: State, t: float) -> Motion | None:
         """Return the stop of the machine without moving it, or None if it is unknown.
 

@@ -346,6 +346,11 @@ class CommandedMachine(Machine):
         """Stops of the machine that begin during a motion."""
         return self._drive.stops
 
+    @property
+    def stopping_distance(self) -> float:
+        """Longest distance of a stop within the limits of the machine, m."""
+        return self._drive.stopping_distance
+
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop without moving the machine.
 

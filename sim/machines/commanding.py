@@ -38,6 +38,9 @@ class Drive(ABC):
     top_speed: float
     """Top speed, m/s."""
 
+    stopping_distance: float
+    """Longest distance of a stop, m."""
+
     def __init__(
         self, clock: Clock, body: Body, *, disabled_or_enabled: Callable[[str], None]
     ) -> None:

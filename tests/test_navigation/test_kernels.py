@@ -16,7 +16,7 @@ from hypothesis import assume, given, strategies as st
 
 import navigation
 from navigation import kernels, polynomials as quadrature
-from navigation.freespace import Walls
+from navigation.freespace import walls
 from navigation.kernels import COMPILED
 from navigation.kernels.committed import CommittedMotions
 from navigation.kernels.edges import Legs
@@ -39,11 +39,13 @@ sys.meta_path.insert(0, Sources())
 
 RUN = """
 import hashlib, pathlib, random, sys, tempfile
-import floorplan, navigation, sim
+import floorplan, navigation, shapely, sim
 from navigation.carried import carried
 from navigation import kernels
 from navigation.kernels import COMPILED
+from navigation.kernels.areas import Polygons, poses_along, swept
 from navigation.kernels.lookout import most_remote, nearest_on
+from navigation.kernels.numbers import numbers
 from navigation.machines import agv_stops, gantry_stops
 from navigation.monitor import StoppingHorizon
 
@@ -93,6 +95,11 @@ for _ in range(40):
     person = navigation.walk([place() for _ in range(4)], rng.uniform(0, 3))
     twist = rng.uniform(-1, 1), rng.uniform(-1, 1)
     machine = navigation.vehicle_twist((*place(), rng.uniform(-3, 3)), twist, seconds=4.0)
+    poses = poses_along(machine.table, 0.3, machine.end)
+    corner = numbers([c for point in corners for c in point])
+    areas = [swept(poses, corner, corner, turns) for turns in (True, False)]
+    met = Polygons(areas[0]).meet(Polygons(swept(numbers((*place(), 1.0)), corner, corner, True)))
+    digest.update(repr(([[[*one] for one in area] for area in areas], met)).encode())
     digest.update(repr((
         fields.applying(machine, 0.0, 9.0),
         [*carried(machine, *place()).table],
@@ -114,6 +121,16 @@ for _ in range(30):
         digest.update(planner.plan(*ends).points.tobytes())
     except navigation.PlanningError as why:
         digest.update(why.reason.encode())
+for limits in (navigation.VehicleLimits(), navigation.VehicleLimits(side_speed=1.0)):
+    vehicles = navigation.VehiclePlanner(world, shapely.Polygon(corners), limits=limits)
+    world.place("disc", navigation.Disc((-6.0, 3.0), 0.4))
+    for _ in range(20):
+        ends = [(rng.uniform(-22, 2), rng.uniform(-12, 12), rng.uniform(-3, 3)) for _ in range(2)]
+        room = vehicles.room
+        digest.update(repr((
+            room.fits(*ends[0]), room.between(ends[0], ends[1][:2], ends[1][2]),
+            [*room.drive_box(*ends[0][:2], *ends[1])],
+        )).encode())
 print(digest.hexdigest())
 """
 
@@ -223,7 +240,7 @@ def ways_round() -> tuple[WaysRound, Legs]:
         x, y = np.meshgrid(i * CHUNK * CELL + along, j * CHUNK * CELL + along)
         return (~shapely.intersects_xy(room, x, y)).tobytes()
 
-    legs = Legs(Walls(HALL, CLEARANCE).grid, CLEARANCE, lambda a, b: True)
+    legs = Legs(walls(HALL), CLEARANCE, lambda a, b: True)
     return WaysRound(CELL, 6.0, 60_000, chunk), legs
 
 
@@ -308,7 +325,7 @@ def test_segments_are_tested_against_walls_and_bodies():
         asked.append((a, b))
         return False
 
-    legs = Legs(Walls(shapely.box(0.0, 0.0, 9.0, 9.0), RADIUS).grid, RADIUS, ask)
+    legs = Legs(walls(shapely.box(0.0, 0.0, 9.0, 9.0)), RADIUS, ask)
     legs.bounds = numbers([4.0, 4.0, 5.0, 5.0])
     assert legs.free(1.0, 1.0, 8.0, 1.0) and not legs.free(1.0, 1.0, 8.8, 1.0)
     assert not asked

@@ -332,14 +332,14 @@ def test_a_path_avoids_links_that_fcl_rejects(world, monkeypatch):
 @given(st.integers(0, 2**32), st.floats(0.05, 1.0))
 def test_free_segments_are_those_of_plane_geometry(seed, radius):
     world = CollisionWorld(random_floor(seed))
-    walls, rng = world.walls(radius), np.random.default_rng(seed)
+    walls, rng = world.walls, np.random.default_rng(seed)
     for a, b in rng.uniform(0, 10, (40, 2, 2)):
         if rng.random() < 0.3:
             b = np.where(rng.random(2) < 0.5, a, b)
-        assert walls.grid.inside(*a.tolist()) == bool(shapely.contains_xy(world.floor, *a))
+        assert walls.inside(*a.tolist()) == bool(shapely.contains_xy(world.floor, *a))
         apart = gap(world, [a, b])
         if abs(apart - radius) > 1e-9 and gap(world, [a]) > radius:
-            assert walls.clear(a.tolist(), b.tolist()) == (apart > radius)
+            assert walls.touched(*a.tolist(), *b.tolist(), radius) == (apart <= radius)
 
 
 def test_cached_paths_expire_when_a_body_moves(world):

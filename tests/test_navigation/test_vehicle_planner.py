@@ -22,6 +22,7 @@ from navigation import (
 
 LONG = box(-1.2, -0.4, 1.2, 0.4)
 WEDGE = shapely.Polygon([(0.9, 0.1), (0.4, 0.45), (-0.6, 0.45), (-0.6, -0.45), (0.4, -0.45)])
+HOOK = shapely.Polygon([(-1, -0.5), (2, -0.8), (0.5, 0), (2.5, 0.6), (-1, 0.5)])
 UP = math.pi / 2
 
 
@@ -41,6 +42,26 @@ def covers(world, footprint, path, limits):
         for at, turn in zip(places, turns, strict=True)
     ]
     return float(shapely.area(shapely.difference(stands, free)).max())
+
+
+@pytest.mark.parametrize("footprint", [LONG, WEDGE, HOOK])
+def test_a_vehicle_fits_where_its_footprint_is_on_the_free_floor(footprint):
+    world = CollisionWorld(floorplan.load("warehouse"), top=1.5)
+    world.place("crate", box(3.0, 3.0, 6.0, 4.0))
+    world.place("post", Disc((8.0, 8.0), 0.7))
+    world.place("wide", box(18.0, 2.0, 25.0, 9.0))
+    planner, free = VehiclePlanner(world, footprint), world.walkable
+    random = np.random.default_rng(3)
+    fits = 0
+    for pose in random.uniform([0.0, 0.0, -math.pi], [30.0, 20.0, math.pi], (1500, 3)).tolist():
+        there = affinity.rotate(footprint, pose[2], origin=(0, 0), use_radians=True)
+        beyond = shapely.area(affinity.translate(there, *pose[:2]).difference(free))
+        if planner.fits(pose):
+            fits += 1
+            assert beyond < 1e-4  # circles are polygons in the plane
+        else:
+            assert beyond > 0.0
+    assert 50 < fits < 1000
 
 
 def random_poses(planner, count, seed):

@@ -13,7 +13,7 @@ from hypothesis import assume, given, strategies as st
 
 import floorplan
 import navigation
-from navigation.freespace import Walls
+from navigation.freespace import walls as walls_of
 from navigation.kernels.candidates import Candidates, Course, Departure
 from navigation.kernels.committed import CommittedMotions, Movers
 from navigation.kernels.discs import DiscMotions, Swath
@@ -28,8 +28,8 @@ from navigation.walking import first_conflict, motion_along, swath as swath_of, 
 
 GAP = 0.006
 START, TOP, FASTEST, ACCELERATION = 7.0, 0.9, 1.2, 2.5
-WALLS = Walls(shapely.box(-2.5, -2.5, 2.5, 2.5), 0.3)
-LEGS = Legs(WALLS.grid, 0.3, lambda a, b: True)
+WALLS = walls_of(shapely.box(-2.5, -2.5, 2.5, 2.5))
+LEGS = Legs(WALLS, 0.3, lambda a, b: True)
 
 Place = tuple[float, float]
 Numbers = MutableSequence[float]
@@ -87,7 +87,7 @@ def plainly(
             walk is not None
             and not touches(legs, *to, *to, 0.6)
             and met(walk, moving, 0.3 + GAP) < 0
-            and WALLS.clear((x, y), to)
+            and not WALLS.touched(x, y, *to, 0.3)
         ):
             hit = met(walk, floor, 0.3 + GAP)
             if hit < 0 or not refusing[hit]:
@@ -213,13 +213,13 @@ def test_walks_keep_their_limits_and_equal_their_swaths():
 def test_walls_are_those_of_the_world():
     rng = random.Random(6)
     world = navigation.CollisionWorld(floorplan.load("ariac2023"))
-    walls, (low_x, low_y, high_x, high_y) = world.walls(0.3), world.plan.boundary.bounds
+    walls, (low_x, low_y, high_x, high_y) = world.walls, world.plan.boundary.bounds
     for _ in range(2000):
         a = (rng.uniform(low_x, high_x), rng.uniform(low_y, high_y))
         away = rng.choice([0.3, 1.0, 3.0, 8.0])
         b = (a[0] + rng.uniform(-away, away), a[1] + rng.uniform(-away, away))
         if world.segment_free(a, a, 0.3, among=()):
-            assert walls.clear(a, b) == world.segment_free(a, b, 0.3, among=())
+            assert walls.touched(*a, *b, 0.3) != world.segment_free(a, b, 0.3, among=())
 
 
 LAWS = (

@@ -1,16 +1,20 @@
 """Swept areas of machines: they contain every covered point, and little more."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 import shapely
-from traffic_parts import LIMITS, Floor, area_of
+from traffic_parts import LIMITS, Cart, Floor, area_of
 
 import navigation
 import sim
+from navigation.kernels.areas import is_on_line
+from navigation.kernels.numbers import numbers
 from navigation.motion import Motion, Piece
-from sim.machines.traffic.areas import CLEAR, Area, Footprint, Part, is_straight, may_meet
+from sim.core.clock import Clock
+from sim.machines.traffic.areas import CLEAR, Area, Footprint, Part, may_meet
 
 SHAPE = sim.MachineShape(
     name="cart", kind="amr", category="vehicle", length=1.6, width=0.8, top=0.4, top_speed=1.5
@@ -180,9 +184,8 @@ DRIVES = {
 def test_a_part_contains_the_motion_and_every_stop_on_it(name, now):
     cart = Floor().cart("one", 0.0)
     motion = DRIVES[name](cart)
-    part = Part.of(cart, motion, now, 1.0)
-    footprint = Footprint(cart.shape, CLEAR)
-    area = area_of(Area.of([footprint.along(poses) for poses in part.courses]))
+    part = Part(cart, motion, now, 1.0)
+    area = area_of(part.area(Footprint(cart.shape, CLEAR)))
     assert now < part.end <= now + 1.5
     assert area.covers(covered(cart.shape, motion, now, part.end))
     for t in np.linspace(now, part.end, 12).tolist():
@@ -190,6 +193,23 @@ def test_a_part_contains_the_motion_and_every_stop_on_it(name, now):
         assert area.buffer(0.02).covers(braked(cart, motion, t))
     last = braked(cart, motion, part.end)
     assert area.within(last.union(covered(cart.shape, motion, now, part.end)).buffer(0.3))
+
+
+@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("now", [0.0, 1.3, 2.5])
+def test_a_known_stopping_distance_changes_no_answer_about_an_area(name, now):
+    class Limited(Cart):
+        stopping_distance = LIMITS.longest_stop.distance
+
+    cart = Limited(Clock(), "one", (0.0, 0.0, 0.0))
+    area = Part(cart, DRIVES[name](cart), now, 1.0).area(Footprint(cart.shape, CLEAR))
+    exact, probe = area_of(area), Footprint(shape(length=0.2, width=0.2), 0.0)
+    met = 0
+    for x, y in itertools.product(np.arange(-6.0, 10.0, 0.3), np.arange(-6.0, 6.0, 0.3)):
+        other = probe.at((x, y, 0.4))
+        assert area.meets(other) == exact.intersects(area_of(other))
+        met += area.meets(other)
+    assert met > 10
 
 
 @pytest.mark.parametrize(
@@ -201,25 +221,27 @@ def test_a_part_ends_where_the_machine_rests_or_after_its_time(rest, end):
     first = Piece(0.0, rest, (0.0, 0.0, 3 / rest**2, -2 / rest**3), STILL, STILL)
     second = Piece(rest, rest + 3.0, (1.0, 0.0, 3 / 9, -2 / 27), STILL, STILL)
     motion = Motion((first, second))
-    assert Part.of(cart, motion, 0.0, 1.0).end == pytest.approx(end)
+    assert Part(cart, motion, 0.0, 1.0).end == pytest.approx(end)
     only = Motion((first,))
-    assert Part.of(cart, only, 0.0, 20.0).end == pytest.approx(rest)
+    assert Part(cart, only, 0.0, 20.0).end == pytest.approx(rest)
 
 
 def test_a_part_of_a_machine_whose_stop_is_unknown_is_the_motion_alone():
     cart = Floor().cart("one", 0.0)
     cart.stopping = lambda state, t: None
     motion = navigation.vehicle_segment((0, 0, 0), (12, 0), limits=LIMITS)
-    part = Part.of(cart, motion, 0.0, 3.0)
-    footprint = Footprint(cart.shape, 0.0)
-    area = area_of(Area.of([footprint.along(poses) for poses in part.courses]))
+    part = Part(cart, motion, 0.0, 3.0)
+    area = area_of(part.area(Footprint(cart.shape, 0.0)))
     exact = covered(cart.shape, motion, 0.0, part.end)
     assert part.end == 3.0 and area.symmetric_difference(exact).area < 1e-6
 
 
 def test_straight_poses_are_a_line_or_a_turn_on_the_spot():
-    assert is_straight([(0, 0, 0), (1, 1, 0), (3, 3, 0)])
-    assert is_straight([(0, 0, 0), (0, 0, 1), (0, 0, 3)])
-    assert is_straight([(0, 0, 0), (1, 2, 3)])
-    assert not is_straight([(0, 0, 0), (1, 0, 0), (2, 1e-3, 0)])
-    assert not is_straight([(0, 0, 0), (1, 0, 0.1), (2, 0, 0)])
+    def on_line(*poses):
+        return is_on_line(numbers(c for pose in poses for c in pose))
+
+    assert on_line((0, 0, 0), (1, 1, 0), (3, 3, 0))
+    assert on_line((0, 0, 0), (0, 0, 1), (0, 0, 3))
+    assert on_line((0, 0, 0), (1, 2, 3))
+    assert not on_line((0, 0, 0), (1, 0, 0), (2, 1e-3, 0))
+    assert not on_line((0, 0, 0), (1, 0, 0.1), (2, 0, 0))

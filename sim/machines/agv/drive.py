@@ -12,7 +12,7 @@ from typing_extensions import override
 
 from floorplan import Lane, Point, UserError
 from navigation import Motion, agv_run, agv_stop
-from navigation.machines import AxisState, agv_stops, lane_state
+from navigation.machines import AxisState, agv_stops, lane_state, longest_stop
 from navigation.motion import State
 
 from ...core.body import Body
@@ -56,6 +56,7 @@ class LaneDrive(Drive):
         self.lane = lane
         self.stops = agv_stops(lane)
         self.top_speed = lane.max_speed
+        self.stopping_distance = longest_stop(lane).distance
         self.to: str | float | None = None
         """Target of the current move: a location or a lane position (m)."""
         self.permits: Callable[[Motion], bool] = lambda _: True

@@ -71,6 +71,7 @@ class VehicleDrive(Drive):
         self.limits = vehicle.limits
         self.stops = stops_of(vehicle.limits)
         self.top_speed = vehicle.limits.top_speed
+        self.stopping_distance = vehicle.limits.longest_stop.distance
         self.planner = VehiclePlanner(
             floor_of(vehicle, name, stage.floorplan), vehicle.footprint, limits=vehicle.limits
         )

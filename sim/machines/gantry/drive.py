@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from floorplan import Gantry, UserError
 from navigation import Motion, gantry_move, gantry_stop, join, standing
-from navigation.machines import AxisLimits, gantry_limits, gantry_stops
+from navigation.machines import AxisLimits, gantry_limits, gantry_stops, longest_stop
 from navigation.motion import State
 
 from ...core.body import Body
@@ -46,6 +46,7 @@ class GantryDrive(Drive):
         """Limits by share of the top speeds."""
         self.stops = gantry_stops(self._limits)
         self.top_speed = math.hypot(gantry.x.max_speed, gantry.y.max_speed)
+        self.stopping_distance = longest_stop(self._limits).distance
         self._record = record
         self._disabled_at: float | None = None
         self._passing: tuple[Pose, Pose] | None = None

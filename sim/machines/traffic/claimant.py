@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Protocol, TypeVar
 
 import shapely
@@ -214,10 +214,10 @@ class Claimant:
             self._claim(self._footprints[CLEAR].at(here))
             self._alarm.set(None)
             return True
-        part = Part.of(self.machine, motion, now, self._seconds)
-        if self._blockers(part.courses):
+        part = Part(self.machine, motion, now, self._seconds)
+        if self._blockers(part):
             return False
-        self._claim(Area.of([self._footprints[CLEAR].along(poses) for poses in part.courses]))
+        self._claim(part.area(self._footprints[CLEAR]))
         self._alarm.set(part.end)
         return True
 
@@ -225,31 +225,29 @@ class Claimant:
         self.claim = area
         self._traffic.changed(self)
 
-    def _blockers(self, ahead: Sequence[Sequence[Pose]]) -> list[Claimant]:
-        """Return the machines that prevent it from moving along poses."""
-        here = [ahead[0][0]]
+    def _blockers(self, ahead: Part) -> list[Claimant]:
+        """Return the machines that prevent it from moving on the next part of its motion."""
         blockers: list[Claimant] = []
         for margin in self._margins:
             footprint = self._footprints[margin]
-            area = Area.of([footprint.along(poses) for poses in ahead])
+            area = ahead.area(footprint)
             blockers = [peer for peer in self.peers if area.meets(peer.claim)]
             if margin == self._margins[0]:
                 blockers += [peer for peer in self._to_let_pass(area) if peer not in blockers]
             # A machine within the margin already requires a smaller one.
-            if not any(footprint.along(here).meets(peer.claim) for peer in blockers):
+            here = footprint.at(ahead.begin)
+            if not any(here.meets(peer.claim) for peer in blockers):
                 return blockers
         return [peer for peer in blockers if not self._parts_from(peer, ahead)]
 
-    def _parts_from(self, peer: Claimant, ahead: Sequence[Sequence[Pose]]) -> bool:
+    def _parts_from(self, peer: Claimant, ahead: Part) -> bool:
         """Return whether it hardly comes nearer to a stationary machine."""
         if not peer.rests:
             return False
         gap = self.covered.distance(peer.covered)
         forbidden = shapely.buffer(peer.covered.parts, max(gap - NEARER, -TOUCH))
-        bare = self._footprints[0.0]
-        return not any(
-            shapely.intersects(bare.along(poses).parts[:, None], forbidden).any() for poses in ahead
-        )
+        bare = ahead.area(self._footprints[0.0])
+        return not shapely.intersects(bare.parts[:, None], forbidden).any()
 
     # Its waits.
 
@@ -258,7 +256,7 @@ class Claimant:
         motion, now = self.machine.body.motion, self._clock.now
         if self.machine.is_held or self._claim_next_part():
             return
-        ahead = Part.of(self.machine, motion, now, self._seconds).courses
+        ahead = Part(self.machine, motion, now, self._seconds)
         blockers = self._blockers(ahead)
         if isinstance(self.state, WaitingForMachines):
             announced, since, before = self.state.blockers[:1], self.state.since, self.state.before

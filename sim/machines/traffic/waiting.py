@@ -8,6 +8,7 @@ from typing import Generic, TypeVar
 from floorplan.files.dataclass import dataclass
 
 from ...core.entries import Pose
+from .areas import Part
 
 T = TypeVar("T")
 
@@ -28,11 +29,10 @@ class GivingWay:
 class WaitingForMachines(Generic[T]):
     """State of a machine that is held until the area ahead is free.
 
-    `ahead` has the poses of its next part and of the stops from there, and `before` is the state to
-    which it returns.
+    `ahead` is the next part of its motion, and `before` is the state to which it returns.
     """
 
-    ahead: Sequence[Sequence[Pose]]
+    ahead: Part
     blockers: list[T]
     """Machines that claim a part of the area."""
     since: float

@@ -70,7 +70,7 @@ class Ground:
         self.world = world
         self.radius = radius
         self.detours = Detours(world, radius)
-        self.walls = world.walls(radius).grid
+        self.walls = world.walls
         """The sides of the walls."""
         self._gates = world.gates
         self._gated = bool(self._gates)

@@ -1,0 +1,43 @@
+from libc.math cimport NAN, asin, atan2, ceil, copysign, cos, isnan, remainder, sin
+from libc.math cimport M_PI as pi
+from navigation.kernels.convex cimport meets_edge
+from navigation.kernels.cubics cimport *
+from navigation.kernels.edges cimport Grid, back_through, touches
+
+cdef double _NO_TURN
+
+cdef class FootprintRoom:
+    cdef Grid floor
+    cdef Numbers corners, radii, bounds
+    cdef list[Numbers] parts, bodies, gates
+    cdef double slack, sag, step
+    cdef readonly double outer
+    cdef bint sideways, alike
+    cpdef bint fits(self, double x, double y, double rotation) except -1
+    cpdef bint turns(self, double x, double y, double slack) except -1
+    cpdef bint drive_free(
+        self, double ax, double ay, double bx, double by, double rotation
+    ) except -1
+    cpdef Numbers drive_box(
+        self, double ax, double ay, double bx, double by, double rotation
+    )
+    cpdef Numbers turn_box(self, double x, double y, double rotation)
+    cpdef list turn_angles(self, double begin, double end)
+    cdef Numbers _box(
+        self,
+        double x,
+        double y,
+        double c,
+        double s,
+        double turned,
+        double length,
+        double margin,
+    )
+    cpdef bint turn_free(self, double x, double y, double begin, double end) except -1
+    cdef double _turned(self, double x, double y, double begin, double end) except? -1
+    cpdef list between(self, tuple one, tuple to, double end)
+    cdef bint _clear(self, Numbers polygon) except -1
+    cdef bint _clear_disc(self, double x, double y, double radius) except -1
+
+cdef bint _meets_body(Numbers polygon, Numbers edges, double rounding) except -1
+cdef bint _is_inside(Numbers edges, double x, double y) noexcept
