@@ -18,10 +18,10 @@ from rclpy.validate_namespace import validate_namespace
 from floorplan import UserError
 
 from ..cell import Cell, Pace
-from ..cell.names import plain, prefix_of
 from ..cell.signals import POSES
 from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.topics import ENDED, STARTED
+from ..competition.transport import plain, prefix_of
 from ..simulation import Simulation
 from .actions import Action
 from .control import Control
