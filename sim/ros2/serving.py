@@ -83,8 +83,8 @@ def serve(
     notice : callable, optional
         Function that gets lines for the user.
     restart : callable, optional
-        Function that finishes the simulation, and returns another one of the same trial, which
-        is served from then on. Services that reset the simulation need it.
+        Function that services call which reset the simulation. It returns another one of the
+        same trial, which is served from then on. By default that one is not recorded.
 
     Raises
     ------
@@ -102,7 +102,8 @@ def serve(
     except (RuntimeError, ValueError, NameValidationException) as why:
         raise RosError(f"ROS cannot start the node: {' '.join(str(why).split())}") from why
     try:
-        _RosServer(node, simulation, pace, notice, restart).run()
+        begin_again = restart or partial(Simulation, simulation.trial)
+        _RosServer(node, simulation, pace, notice, begin_again).run()
     finally:
         rclpy.shutdown(context=context)
 
@@ -116,7 +117,7 @@ class _RosServer:
         simulation: Simulation,
         pace: Pace,
         notice: Callable[[str], None],
-        restart: Callable[[], Simulation] | None,
+        restart: Callable[[], Simulation],
     ) -> None:
         self._restart = restart
         self._pace = pace
@@ -142,9 +143,8 @@ class _RosServer:
         bodies += [f"machines/{name}" for name in vehicles]
         for body in bodies:
             self._actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
-        reset = self._reset if restart is not None else None
-        People(ros, cell, self._advance_by, reset)
-        Control(ros, pace, partial(self._advance_by, 1 / POSES), reset)
+        People(ros, cell, self._advance_by, self._reset)
+        Control(ros, pace, partial(self._advance_by, 1 / POSES), self._reset)
         Entities(ros, cell)
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
@@ -202,7 +202,6 @@ class _RosServer:
 
     def _reset(self) -> None:
         """Begin the run again, with another simulation."""
-        assert self._restart is not None
         at = self._cell.now
         self._enter(STARTED)
         self._cell.continue_with(self._restart())
