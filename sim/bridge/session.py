@@ -8,7 +8,6 @@ import socket
 from collections.abc import Callable
 from typing import Any
 
-from ..cell import Pace
 from ..cell.admission import Notices
 from ..competition import RefusedError
 from ..competition.machine_topics import TRAJECTORY
@@ -104,12 +103,11 @@ class Session:
         self._said = ""
         self._changed = asyncio.Event()
         exchange.changed = self._changed.set
-        self._pace = pace = Pace(
-            workcell.simulation, speed=speed or 1.0, step=not speed, now=_real_time
-        )
+        self._pace = pace = workcell.cell.pace
+        if speed:
+            pace.keep_time(speed, _real_time)
         pace.changed = self._changed.set
         pace.held = "it has not begun"
-        workcell.follow(pace)
         workcell.cell.admission.catch_up = self._catch_up
         # At speed 0 nothing is lost, because time waits until the agent has read all messages.
         workcell.repeats = speed > 0

@@ -134,6 +134,11 @@ class Pace:
         self.paused = self.paused if paused is None else paused
         self.changed()
 
+    def keep_time(self, speed: float, now: Callable[[], float]) -> None:
+        """Follow real time from now on, at a speed and by a clock `now` (s)."""
+        self._speed, self._real_time = checked_speed(speed), now
+        self._at, self._since = self.now, None
+
     def hold(self, reason: str) -> bool:
         """Hold the run for a reason. Return whether it was not held."""
         before, self.held = self.held, reason
