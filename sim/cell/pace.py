@@ -57,7 +57,7 @@ class Pace:
     after : list of callable
         Functions that are called after each advance, before those of the ticks.
     changed : callable
-        Function that is called after each change of speed or pause.
+        Function that is called after each change of speed or pause, and after `end`.
     failure : Exception or None
         Exception that a custom program raised in the run, which ends it. See `check`.
     """
@@ -105,6 +105,7 @@ class Pace:
     def end(self) -> None:
         """End the run before its time."""
         self._ended = True
+        self.changed()
 
     def check(self) -> None:
         """Raise the exception with which the run has failed, if it has."""
