@@ -7,7 +7,6 @@ from collections.abc import Callable
 from contextlib import redirect_stdout
 from functools import partial
 from io import StringIO
-from typing import Any
 
 import rclpy
 from rclpy.exceptions import NameValidationException
@@ -19,7 +18,7 @@ from floorplan import UserError
 
 from ..cell import Cell, Pace
 from ..cell.signals import POSES
-from ..competition import CompetitionTopics, Values, add_gantry
+from ..competition import CompetitionTopics, add_gantry
 from ..competition.topics import ENDED, STARTED
 from ..competition.transport import plain, prefix_of
 from ..simulation import Simulation
@@ -136,7 +135,6 @@ class _RosServer:
         if simulation.gantry is not None:
             self._enter = CompetitionTopics(cell, ros).enter
             ros.provide("/ariac/start_competition", TRIGGER, lambda *_: STARTED_ALREADY)
-            ros.provide("/ariac/end_competition", TRIGGER, self._end)
             add_gantry(cell, ros, root="")
             self._actions.append(gantry_action(ros, cell, simulation.gantry.name))
         bodies = [f"people/{person.name}" for person in simulation.people]
@@ -184,10 +182,6 @@ class _RosServer:
         while time.monotonic() < last:
             self._executor.spin_once(timeout_sec=LONGEST_WAIT)
         pace.check()
-
-    def _end(self, _: Any, __: Values) -> Values:
-        self._pace.end()
-        return {"success": True, "message": f"ended at t = {self._cell.now:g} s"}
 
     def _publish_feedback(self) -> None:
         for action in self._actions:
