@@ -19,7 +19,6 @@ from typing_extensions import Self
 
 from .files.dataclass import dataclass
 from .files.fields import (
-    KEYS,
     Angle,
     ComposedKeys,
     Constrained,
@@ -44,7 +43,7 @@ from .files.footprints import (
     Torso,
     Width,
 )
-from .files.forms import CALLED, Alias, Written
+from .files.forms import ALIASED_KEYS, CALLED, KEYS, Alias, Written
 from .files.problems import Problem, UserError
 from .files.values import NamedField
 
@@ -170,7 +169,7 @@ class Door:
         Thickness of the closed door and its height in metres.
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = ALIASED_KEYS
 
     name: Called
     ends: Ends
@@ -290,7 +289,7 @@ class Gate:
         Names of people and AGVs, or patterns with `*` and `?`. By default all.
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = ALIASED_KEYS
 
     name: Called
     ends: Ends
@@ -327,7 +326,7 @@ class SafeZone:
         Heading in radians.
     """
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = ALIASED_KEYS
 
     position: Annotated[Position, Alias("at")]
     heading: Angle = 0.0

@@ -19,7 +19,8 @@ from shapely.geometry import Polygon
 from floorplan import UserError
 from floorplan.checks import polygon_fault
 from floorplan.files.dataclass import dataclass
-from floorplan.files.fields import KEYS, Constrained, Flag, Pair
+from floorplan.files.fields import Constrained, Flag, Pair
+from floorplan.files.forms import KEYS
 
 from .kernels.fields import FieldSearch, FieldSwitches
 from .kernels.numbers import numbers

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, MutableSequence, Sequence
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TypeVar
 from weakref import WeakKeyDictionary
@@ -315,11 +315,17 @@ _NICHE = 0.3
 class Narrows:
     """Narrow places of a floor and the areas before them, where people should not stop."""
 
-    def __init__(self, area: shapely.Geometry) -> None:
-        self._area = area
-        self.cells = Cells(CELL, self._whole, partial(shapely.intersects_xy, area))
+    def __init__(self, find: Callable[[], shapely.Geometry]) -> None:
+        self._find = find
+        self.cells = Cells(CELL, self._whole, self._within)
         """Cache of the area."""
+
+    @cached_property
+    def _area(self) -> shapely.Geometry:
+        """Area, found at the first query, because many people are never in a narrow place."""
+        area = self._find()
         shapely.prepare(area)
+        return area
 
     def has(self, place: Point) -> bool:
         """Return whether a place (x, y in metres) is in the area."""
@@ -333,9 +339,12 @@ class Narrows:
             return 0
         return 1 if shapely.contains_properly(self._area, cell) else SOME
 
+    def _within(self, x: float, y: float) -> bool:
+        return bool(shapely.intersects_xy(self._area, x, y))
 
-def narrows(space: FreeSpace, radius: float, abreast: int) -> Narrows:
-    """Return the narrow places of a free space and the areas before them.
+
+def narrows(space: FreeSpace, radius: float, abreast: int) -> shapely.Geometry:
+    """Return the area of narrow places of a free space, with the areas before them.
 
     The narrow places for discs of `radius` metres are the free space of their centres minus its
     opening by a disc of the width for `abreast` discs: a passage, or a dead end of some size.
@@ -352,7 +361,7 @@ def narrows(space: FreeSpace, radius: float, abreast: int) -> Narrows:
             # The rest of each corner has one mouth as well, but is small.
             if part.area > _NICHE or len(shapely.get_parts(mouths)) > 1:
                 narrow.append(part)
-    return Narrows(shapely.union_all(narrow).buffer(APRON))
+    return shapely.union_all(narrow).buffer(APRON)
 
 
 _SIDES_IN_A_CELL = 2.0

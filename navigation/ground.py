@@ -7,7 +7,7 @@ own cache of the latest results, because prepared geometries of GEOS cannot be s
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache, wraps
+from functools import lru_cache, partial, wraps
 from threading import get_ident
 from typing import Any, ParamSpec, TypeVar
 
@@ -112,7 +112,7 @@ def roadmap(
 @_cached(MOST_KEPT)
 def narrow_places(floor: shapely.Geometry, radius: float, abreast: int) -> Narrows:
     """Return the places that discs of `radius` metres cannot pass `abreast`, with a margin."""
-    return narrows(fixed_space(floor, radius), radius, abreast)
+    return Narrows(partial(narrows, fixed_space(floor, radius), radius, abreast))
 
 
 @_cached(MOST_KEPT)

@@ -1,31 +1,53 @@
-"""Dataclasses whose methods are compiled at their first use.
+"""Dataclasses that the standard library completes at their first use.
 
-The decorator of the standard library compiles up to six methods of every class during the import,
-and most of them are never called.
+Its decorator finds the fields of every class and compiles up to six methods during the import. Most
+classes are not used in a run, and most methods are never called.
 """
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from functools import partial
+from threading import RLock
 from typing import TYPE_CHECKING, Any
 
+_LOCK = RLock()
 
-class _Method:
-    """Placeholder of a method of a dataclass."""
 
-    def __init__(self, kind: type, name: str) -> None:
+class _Placeholder:
+    """Attribute of a class, which `make` replaces at its first use."""
+
+    def __init__(self, kind: type, name: str, make: Callable[[], None]) -> None:
         self._kind = kind
         self._name = name
+        self._make = make
+        setattr(kind, name, self)
 
     def __get__(self, value: object, owner: type | None = None) -> Any:
-        method = _compiled(self._kind, self._name)
-        setattr(self._kind, self._name, method)
-        return method.__get__(value, owner)
+        with _LOCK:
+            if vars(self._kind)[self._name] is self:
+                self._make()
+        made = vars(self._kind)[self._name]
+        return made.__get__(value, owner) if hasattr(made, "__get__") else made
 
 
-def _compiled(kind: Any, name: str) -> Any:
-    """Return the method that the standard library compiles for a class with the same fields."""
+_FOUND = ("__dataclass_fields__", "__dataclass_params__", "__match_args__")
+"""Attributes that follow from the fields."""
+
+
+def _find_fields(kind: Any, repr: bool, eq: bool, frozen: bool, kw_only: bool) -> None:
+    """Set the attributes that follow from the fields."""
+    dataclasses.dataclass(init=False, repr=False, eq=False, match_args=False, kw_only=kw_only)(kind)
+    parameters = kind.__dataclass_params__
+    parameters.init, parameters.repr, parameters.eq, parameters.frozen = True, repr, eq, frozen
+    fields = dataclasses.fields(kind)
+    positional = tuple(field.name for field in fields if field.init and not field.kw_only)
+    setattr(kind, _FOUND[-1], positional)
+
+
+def _compile(kind: Any, name: str, frozen: bool) -> None:
+    """Set a method that the standard library compiles for another class with the same fields."""
     fields: dict[str, Any] = kind.__dataclass_fields__
     body = {
         "__module__": kind.__module__,
@@ -42,23 +64,22 @@ def _compiled(kind: Any, name: str) -> Any:
         repr=name == "__repr__",
         eq=name == "__eq__",
         unsafe_hash=name == "__hash__",
-        frozen=is_constructor and kind.__dataclass_params__.frozen,
+        frozen=is_constructor and frozen,
         match_args=False,
     )
-    return vars(compiled(type(kind.__name__, (), body)))[name]
+    setattr(kind, name, vars(compiled(type(kind.__name__, (), body)))[name])
 
 
 def _freeze(kind: Any) -> None:
     """Make the fields of a class read-only, and all attributes of its direct instances."""
-    names = frozenset(kind.__dataclass_fields__)
 
     def assign(self: Any, name: str, value: Any) -> None:
-        if type(self) is kind or name in names:
+        if type(self) is kind or name in kind.__dataclass_fields__:
             raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
         super(kind, self).__setattr__(name, value)
 
     def delete(self: Any, name: str) -> None:
-        if type(self) is kind or name in names:
+        if type(self) is kind or name in kind.__dataclass_fields__:
             raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
         super(kind, self).__delattr__(name)
 
@@ -76,7 +97,7 @@ def _declare(
     kw_only: bool = False,
     **others: bool,
 ) -> Any:
-    """Make a class a dataclass, with placeholders of its methods."""
+    """Make a class a dataclass with placeholders."""
     if others or hasattr(kind, "__dataclass_fields__"):
         # The standard library compares the options of a class with those of its bases.
         standard = dataclasses.dataclass(repr=repr, eq=eq, frozen=frozen, kw_only=kw_only, **others)
@@ -84,16 +105,20 @@ def _declare(
     own = vars(kind)
     # Python sets the hash of a class with `__eq__` to None.
     is_hash_declared = "__hash__" in own and not (own["__hash__"] is None and "__eq__" in own)
-    dataclasses.dataclass(init=False, repr=False, eq=False, kw_only=kw_only)(kind)
-    parameters = kind.__dataclass_params__
-    parameters.init, parameters.repr, parameters.eq, parameters.frozen = True, repr, eq, frozen
     for name, is_wanted in {"__init__": True, "__repr__": repr, "__eq__": eq}.items():
         if is_wanted and name not in own:
-            setattr(kind, name, _Method(kind, name))
+            _Placeholder(kind, name, partial(_compile, kind, name, frozen))
     if eq and not is_hash_declared:
-        kind.__hash__ = _Method(kind, "__hash__") if frozen else None
+        kind.__hash__ = None
+        if frozen:
+            _Placeholder(kind, "__hash__", partial(_compile, kind, "__hash__", frozen))
     if frozen:
         _freeze(kind)
+    if "__replace__" not in own:
+        kind.__replace__ = dataclasses.replace
+    find_fields = partial(_find_fields, kind, repr, eq, frozen, kw_only)
+    for name in _FOUND:
+        _Placeholder(kind, name, find_fields)
     return kind
 
 

@@ -168,12 +168,22 @@ class Document:
 
         Pydantic's validators get the `context`.
         """
+        return self.checked_by(schema, schema, error, context)
+
+    def checked_by(
+        self,
+        part: type[_Schema],
+        schema: type[BaseModel],
+        error: type[InputError],
+        context: Any = None,
+    ) -> _Schema:
+        """Return the values as a `part` of a `schema`, from which errors name similar keys."""
         if not isinstance(self.data, dict):
             kind = "nothing" if self.data is None else "a " + _kind(self.data)
             message = f"expected keys with values, found {kind}"
             raise error(self.file, [self.problem(message)])
         try:
-            return schema.model_validate(self.data, context=context)
+            return part.model_validate(self.data, context=context)
         except ValidationError as why:
             problems = [
                 self.problem(message, *place) for message, place in misfits(why, schema, self.data)

@@ -20,7 +20,7 @@ from pydantic_core.core_schema import (
     with_info_after_validator_function,
 )
 
-from .forms import KeysConfig, composed, has_fields
+from .forms import ALIASED_KEYS, KEYS, composed, has_fields
 from .problems import UserError
 
 LARGEST = 1e10
@@ -212,10 +212,6 @@ Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_r
 """Range [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
 
 
-KEYS = KeysConfig()
-"""Pydantic configuration of dataclasses in files, which rejects unknown keys."""
-
-
 SHOWN = 60
 """Maximum number of characters of a field's value in a short text."""
 
@@ -250,7 +246,7 @@ class Keyed:
 class ComposedKeys:
     """Base of dataclasses with fields that a file gives by several keys: see `Composed`."""
 
-    __pydantic_config__ = KEYS
+    __pydantic_config__ = ALIASED_KEYS
 
     @model_validator(mode="before")
     @classmethod

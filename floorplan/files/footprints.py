@@ -9,8 +9,8 @@ from shapely.geometry import Polygon, box
 from typing_extensions import Self
 
 from .dataclass import dataclass
-from .fields import KEYS, Constrained, Pair, Positive, Range
-from .forms import Alias, Composed, Data, plain
+from .fields import Constrained, Pair, Positive, Range
+from .forms import KEYS, Alias, Composed, Data, plain
 from .problems import UserError
 
 Size = tuple[Positive, Positive]

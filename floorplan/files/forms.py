@@ -91,19 +91,21 @@ class Alias:
         self.alias = alias
 
 
-class KeysConfig:
-    """Pydantic configuration of a dataclass in files, as its class attribute.
+KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True, arbitrary_types_allowed=True)
+"""Pydantic configuration of dataclasses in files, which rejects unknown keys."""
+
+
+class _AliasedKeys:
+    """Pydantic configuration of a dataclass in files whose fields have an `Alias`.
 
     The aliases are not those of `pydantic.Field`, because its import takes long.
     """
 
     def __get__(self, value: object, owner: type) -> ConfigDict:
-        return ConfigDict(
-            extra="forbid",
-            str_strip_whitespace=True,
-            arbitrary_types_allowed=True,
-            alias_generator=lambda name: _aliases(owner)[name],
-        )
+        return {**KEYS, "alias_generator": lambda name: _aliases(owner)[name]}
+
+
+ALIASED_KEYS = _AliasedKeys()
 
 
 @cache

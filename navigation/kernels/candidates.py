@@ -323,12 +323,12 @@ class Candidates:
         now: float = self.state.now
         # Try the previous obstacle first, because successive candidates often meet the same person.
         k: cython.Py_ssize_t = self.blocker
-        if k >= 0 and others.met(k, self.sketch, own, now, INFINITY) < INFINITY:
+        if k >= 0 and others.conflicts(k, self.sketch, own, now):
             return 0
         i: cython.Py_ssize_t
         for i in range(len(near)):
             k = near[i]
-            if others.met(k, self.sketch, own, now, INFINITY) < INFINITY:
+            if others.conflicts(k, self.sketch, own, now):
                 self.blocker = k
                 return 0
         return pieces

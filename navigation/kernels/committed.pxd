@@ -1,7 +1,7 @@
 from navigation.kernels.cubics cimport *
 from navigation.kernels.discs cimport DiscMotions, Swath, within_bounds
 
-cdef double _SLOW, _THERE
+cdef double _SLOW, _AROUND, _THERE
 
 cdef class CommittedMotions(DiscMotions):
     cdef bytearray bound
@@ -21,6 +21,8 @@ cdef class Movers(DiscMotions):
     cdef readonly double now
     cdef readonly list[Py_ssize_t] indices
     cdef bytearray among
+    cdef list[Py_ssize_t] near
+    cdef BoundingBox seen
     cpdef move(self, Py_ssize_t k, Swath swath)
     cpdef keep(self, Py_ssize_t count)
     cdef double own(self, Py_ssize_t k) noexcept

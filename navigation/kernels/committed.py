@@ -17,6 +17,7 @@ if not cython.compiled:
     from .discs import within_bounds
 
 _SLOW: float = 0.05  # m/s; the velocity of slower people gives no direction
+_AROUND: float = 4.0  # metres around a motion within which others are looked for at once
 _THERE: float = 1e-6  # metres within which a place counts as reached
 
 
@@ -187,6 +188,9 @@ class Movers(DiscMotions):
         self.now = now
         self.indices: list[int] = []
         self.among = bytearray(len(floor.radii))
+        nobody: list[cython.Py_ssize_t] = []
+        self.near = nobody
+        self.seen = BoundingBox(INFINITY, INFINITY, -INFINITY, -INFINITY)
 
     def move(self, k: cython.Py_ssize_t, swath: Swath) -> None:
         """Add a draft of a motion of the k-th disc on the floor."""
@@ -217,7 +221,8 @@ class Movers(DiscMotions):
 
     def meets(self, i: cython.Py_ssize_t, swath: Swath, own: float) -> bool:
         """Return whether a motion that keeps `own` metres has a conflict with the i-th draft."""
-        return self.met(i, swath, own, self.now, INFINITY) < INFINITY
+        meets: bool = self.conflicts(i, swath, own, self.now)
+        return meets
 
     def first_hit(self, i: cython.Py_ssize_t) -> cython.Py_ssize_t:
         """Return the first disc without a draft that the i-th draft conflicts with, or -1."""
@@ -225,8 +230,22 @@ class Movers(DiscMotions):
 
     def first_other(self, k: cython.Py_ssize_t, swath: Swath) -> cython.Py_ssize_t:
         """Return the first disc without a draft that `swath` of the k-th conflicts with, or -1."""
+        b: BoundingBox = boxes_of(swath.box)[0]
+        seen: BoundingBox = self.seen
+        if (
+            b.low_x < seen.low_x
+            or b.low_y < seen.low_y
+            or b.high_x > seen.high_x
+            or b.high_y > seen.high_y
+        ):
+            self.seen = BoundingBox(
+                b.low_x - _AROUND, b.low_y - _AROUND, b.high_x + _AROUND, b.high_y + _AROUND
+            )
+            self.near = self.floor.near(row_of_box(self.seen), self.floor.widest)
         before: cython.int = self.among[k]
         self.among[k] = 1
-        first: cython.Py_ssize_t = self.floor.first_but(self.among, swath, self.own(k), self.now)
+        first: cython.Py_ssize_t = self.floor.first_but(
+            self.among, self.near, swath, self.own(k), self.now
+        )
         self.among[k] = before
         return first

@@ -1,7 +1,7 @@
 from libc.math cimport sqrt
 from navigation.kernels.cubics cimport *
 
-cdef double _RESOLUTION, _JUST_NOW, _ROUNDING, _TOUCH
+cdef double _RESOLUTION, _JUST_NOW, _ROUNDING, _FAR, _TOUCH
 
 cdef class Swath:
     cdef public Numbers table, box
@@ -19,11 +19,18 @@ cdef class DiscMotions:
     cdef double met(
         self, Py_ssize_t k, Swath ahead, double own, double begin, double until
     ) noexcept
+    cdef bint conflicts(self, Py_ssize_t k, Swath ahead, double own, double begin) noexcept
     cdef Meeting first_meeting(
-        self, list[Py_ssize_t] near, Swath ahead, double own, double begin
+        self, list[Py_ssize_t] near, Swath ahead, double own, double begin, double until
     ) noexcept
-    cpdef Py_ssize_t first_but(
-        self, bytearray apart, Swath ahead, double own, double begin
+    cpdef bint free(self, list[Py_ssize_t] near, Swath ahead, double own, double begin) except -1
+    cdef Py_ssize_t first_but(
+        self,
+        bytearray apart,
+        list[Py_ssize_t] near,
+        Swath ahead,
+        double own,
+        double begin,
     ) except -2
 
 cdef class DiscWindow:
@@ -58,8 +65,9 @@ cdef double conflict_from(
     double until,
     Py_ssize_t i,
     Py_ssize_t j,
+    bint exact,
 ) noexcept
 cdef bint _is_apart(Cubic c, double duration, double least) noexcept
-cdef double _first_within(Cubic x, Cubic y, double duration, double least) noexcept
+cdef double _first_within(Cubic x, Cubic y, double duration, double least, bint exact) noexcept
 cdef double _least_on_leaving(Cubic x, Cubic y, double width) noexcept
 cdef double _entry(Cubic x, Cubic y, double duration, double least) noexcept

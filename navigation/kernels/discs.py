@@ -31,6 +31,7 @@ if not cython.compiled:
 _RESOLUTION: float = 1e-4  # seconds; shorter undecided intervals count as a conflict
 _JUST_NOW: float = 1e-3  # seconds; a conflict this soon counts as present from the begin
 _ROUNDING: float = 1e-6  # of the number of times at which a pair cannot meet
+_FAR: float = 2e-3  # metres; more than the tolerance of `met` for an initial conflict
 _TOUCH: float = 1e-9  # metres; smaller differences of distance are rounding
 
 
@@ -149,11 +150,22 @@ class DiscMotions:
         # A piece that begins before `until` may last longer.
         return t if t < until else INFINITY
 
+    def conflicts(self, k: cython.Py_ssize_t, ahead: Swath, own: float, begin: float) -> bool:
+        """Return whether there is a conflict with the k-th disc from `begin` on: see `met`."""
+        least: float = own + at(self.radii)[k]
+        if not are_within(boxes_of(ahead.box)[0], boxes_of(self.boxes)[k], least):
+            return False
+        other: Numbers = self.tables[k]
+        # The time does not matter, unless the discs are too close already.
+        if at(self.counted)[k] == INFINITY and distance(ahead.table, other, begin) >= least + _FAR:
+            return conflict_from(ahead.table, other, least, begin, INFINITY, 0, 0, False) < INFINITY
+        return self.met(k, ahead, own, begin, INFINITY) < INFINITY
+
     def first_meeting(
-        self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float
+        self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float, until: float
     ) -> Meeting:
-        """Return the first conflict with the discs `near`: see `met`."""
-        first: Meeting = Meeting(-1, INFINITY)
+        """Return the first conflict before `until` with the discs `near`: see `met`."""
+        first: Meeting = Meeting(-1, until)
         i: cython.Py_ssize_t
         for i in range(len(near)):
             t: float = self.met(near[i], ahead, own, begin, first.t)
@@ -165,13 +177,26 @@ class DiscMotions:
         self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float
     ) -> tuple[int, float]:
         """Return the index of the first of the discs `near` in conflict, or -1, and the time."""
-        first: Meeting = self.first_meeting(near, ahead, own, begin)
+        first: Meeting = self.first_meeting(near, ahead, own, begin, INFINITY)
         return first.person, first.t
 
+    def free(self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float) -> bool:
+        """Return whether there is no conflict with the discs `near`: see `met`."""
+        i: cython.Py_ssize_t = 0
+        while i < len(near) and not self.conflicts(near[i], ahead, own, begin):
+            i += 1
+        is_free: bool = i == len(near)
+        return is_free
+
     def first_but(
-        self, apart: bytearray, ahead: Swath, own: float, begin: float
+        self,
+        apart: bytearray,
+        near: list[cython.Py_ssize_t],
+        ahead: Swath,
+        own: float,
+        begin: float,
     ) -> cython.Py_ssize_t:
-        """Return the index of the first disc in conflict that is not `apart`, or -1: see `met`.
+        """Return the first of the discs `near` in conflict that is not `apart`, or -1: see `met`.
 
         `apart` has a byte for each disc.
         """
@@ -179,8 +204,9 @@ class DiscMotions:
         box: BoundingBox = boxes_of(ahead.box)[0]
         boxes: Boxes = boxes_of(self.boxes)
         radius: Doubles = at(self.radii)
-        k: cython.Py_ssize_t
-        for k in range(len(self.radii)):
+        i: cython.Py_ssize_t
+        for i in range(len(near)):
+            k: cython.Py_ssize_t = near[i]
             if are_within(box, boxes[k], own + radius[k]) and not apart[k]:
                 t: float = self.met(k, ahead, own, begin, first.t)
                 if t < first.t:
@@ -308,7 +334,7 @@ class DiscWindow:
                         two: Numbers = self.tables[j]
                         row: cython.Py_ssize_t = max(planar_at(one, begin), 0)
                         other: cython.Py_ssize_t = max(planar_at(two, begin), 0)
-                        if conflict_from(one, two, least, begin, end, row, other) <= end:
+                        if conflict_from(one, two, least, begin, end, row, other, True) <= end:
                             near.append((i, j, k))
                     k += passed
         return near
@@ -422,7 +448,7 @@ def first_conflict(one: Numbers, other: Numbers, least: float, begin: float, unt
     It is infinite without a conflict. Both tables reach back to `begin`. No conflict is missed.
     False ones are possible only if the distance stays within rounding of `least`.
     """
-    return conflict_from(one, other, least, begin, until, 0, 0)
+    return conflict_from(one, other, least, begin, until, 0, 0, True)
 
 
 def conflict_from(
@@ -433,8 +459,12 @@ def conflict_from(
     until: float,
     i: cython.Py_ssize_t,
     j: cython.Py_ssize_t,
+    exact: bool,
 ) -> float:
-    """Return the first conflict of tables whose pieces before i and j are over."""
+    """Return the first conflict of tables whose pieces before i and j are over.
+
+    If not `exact`, the time of another conflict may be returned.
+    """
     ones: PlanarPieces = planar(one)
     others: PlanarPieces = planar(other)
     i = planar_from(one, i, begin)
@@ -453,7 +483,7 @@ def conflict_from(
         duration: float = end - t
         # The bounds along the axes are cheapest and decide most intervals.
         if not _is_apart(x, duration, least) and not _is_apart(y, duration, least):
-            entry: float = _first_within(x, y, duration, least)
+            entry: float = _first_within(x, y, duration, least, exact)
             if entry >= 0.0:
                 return t + entry
         t = end
@@ -472,8 +502,10 @@ def _is_apart(c: Cubic, duration: float, least: float) -> bool:
     return extent.low >= least or extent.high <= -least
 
 
-def _first_within(x: Cubic, y: Cubic, duration: float, least: float) -> float:
+def _first_within(x: Cubic, y: Cubic, duration: float, least: float, exact: bool) -> float:
     """Return the first u in [0, `duration`] at which (x, y) is within `least` of the origin, or -1.
+
+    If not `exact`, any such u may be returned.
 
     Subdivision: the distance along the tangent at the middle of an interval is convex, and the
     point stays within `deviation` of the tangent. Undecided intervals are halved. The current one
@@ -504,7 +536,9 @@ def _first_within(x: Cubic, y: Cubic, duration: float, least: float) -> float:
                 return -1.0
         elif straight:
             return _entry(x, y, duration, least)
-        elif width <= _RESOLUTION:
+        elif width <= _RESOLUTION or (
+            not exact and norm(value(dx, u), value(dy, u)) < least - _TOUCH
+        ):
             return since
         else:
             k *= 2

@@ -7,7 +7,7 @@ from navigation.kernels.edges cimport Legs
 from navigation.kernels.following cimport CarFollowing, ChoiceParameters, Passer
 from navigation.kernels.grid cimport Cells
 
-cdef double _STANDS, _HAIR, _HARDLY, _BEYOND
+cdef double _STANDS, _HAIR, _HARDLY, _LATER, _BEYOND
 
 cdef class TrajectoryChoice:
     cdef ChoiceParameters parameters
@@ -25,13 +25,15 @@ cdef class TrajectoryChoice:
     cdef Swath wished
     cdef readonly Numbers seen
     cdef readonly list[Py_ssize_t] near
+    cdef list[Py_ssize_t] all_near, without
+    cdef Py_ssize_t excluded
     cdef Meeting hit
     cdef Leader ahead
     cpdef double stop_beyond(self, double length) except -1
     cdef double stop_before(self, double length) except -1
     cdef bint is_narrow(self, double length) except -1
     cdef int _see(self, double around) except -1
-    cdef Meeting _first_met(self, double own) except *
+    cdef Meeting _first_met(self, double own, double until) except *
     cdef Swath _keep_distance(self, Meeting near)
     cdef int _propose_slower_later_shorter(
         self, double hit_at, bint at_rest, bint follows

@@ -22,7 +22,6 @@ from .discs import Swath
 from .edges import Legs
 from .following import CarFollowing, ChoiceParameters, Passer
 from .grid import Cells
-from .numbers import numbers
 
 if not cython.compiled:
     from math import ceil
@@ -33,6 +32,7 @@ if not cython.compiled:
 _STANDS: float = 1e-6  # m/s; slower people count as standing
 _HAIR: float = 1e-3  # metres beyond the minimum distance at which people pass without a conflict
 _HARDLY: float = 0.02  # metres; smaller lateral shifts are ignored
+_LATER: float = 1.0  # seconds, more than any rounding of times
 _BEYOND: float = 0.5  # metres by which walks beside a course are longer than the foresight
 
 
@@ -70,6 +70,10 @@ class TrajectoryChoice:
         self.seen = room(4)
         nobody: list[cython.Py_ssize_t] = []
         self.near = nobody
+        # People near without one, for walks past this one together with a shift of theirs.
+        self.all_near = nobody
+        self.without = nobody
+        self.excluded = -1
         self.hit = Meeting(-1, INFINITY)
         self.ahead = Leader(-1, 0.0, 0.0)
         self.wished = Swath(self.seen, self.seen)
@@ -126,7 +130,7 @@ class TrajectoryChoice:
         Return the index of the first person in conflict, or -1, and the time of the conflict (s).
         """
         self._see(self.parameters.looks_around)
-        self.hit = self._first_met(self.own)
+        self.hit = self._first_met(self.own, INFINITY)
         return self.hit.person, self.hit.t
 
     def _see(self, around: float) -> cython.int:
@@ -143,9 +147,9 @@ class TrajectoryChoice:
         )
         return 0
 
-    def _first_met(self, own: float) -> Meeting:
-        """Return the first conflict at a distance of `own` metres from the bodies of others."""
-        return self.motions.first_meeting(self.near, self.wished, own, self.state.now)
+    def _first_met(self, own: float, until: float) -> Meeting:
+        """Return the first conflict before `until` at a distance of `own` metres from bodies."""
+        return self.motions.first_meeting(self.near, self.wished, own, self.state.now, until)
 
     # The choice
 
@@ -155,7 +159,8 @@ class TrajectoryChoice:
         Candidates shift aside, slow down, stop earlier or start later. The preferred walk is the
         result if no other person is near it.
         """
-        near: Meeting = self._first_met(self.own + self.walker.comfort)
+        # A larger distance is reached earlier than that of the conflict.
+        near: Meeting = self._first_met(self.own + self.walker.comfort, self.hit.t + _LATER)
         walks: Candidates = self.walks
         self.ahead = self.following.leader(self.near, self.state.begin, walks.course.come_to(0.0))
         if near.person < 0 and self.ahead.person < 0:
@@ -317,15 +322,13 @@ class TrajectoryChoice:
         # At the comfort distance, then at the minimum distance, to either side.
         needed: float = self.walker.radius + at(self.motions.radii)[other.person] + self.motions.gap
         wide: float = needed + self.walker.comfort
-        sides: Numbers = numbers(
-            (
-                level.left - wide,
-                level.left + wide,
-                level.left - needed - _HAIR,
-                level.left + needed + _HAIR,
-                *self.parameters.widths,
-            )
-        )
+        sides: Numbers = room(4 + len(self.parameters.widths))
+        side: Doubles = at(sides)
+        side[0] = level.left - wide
+        side[1] = level.left + wide
+        side[2] = level.left - needed - _HAIR
+        side[3] = level.left + needed + _HAIR
+        put(side, 4, at(self.parameters.widths), 0, len(self.parameters.widths))
         top: float = self.walker.top_speed
         self._add_asides(sides, self.reach + _BEYOND, top, level.along)
         if opposed:
@@ -373,15 +376,21 @@ class TrajectoryChoice:
             if walk is None or self._has_room():
                 return walk
 
-    def aside(self, along: float, side: float, near: list[cython.Py_ssize_t]) -> Swath | None:
+    def aside(self, along: float, side: float, other: cython.Py_ssize_t) -> Swath | None:
         """Return the walk `side` metres to the left after `along` metres of the course.
 
-        None if it has a conflict with a wall or with the people `near`.
+        None if it has a conflict with a wall or with the people near, without the index `other`.
         """
         walks: Candidates = self.walks
+        if self.all_near is not self.near or self.excluded != other:
+            self.all_near = self.near
+            self.excluded = other
+            self.without = self.near.copy()
+            if other in self.without:
+                self.without.remove(other)
         walks.clear()
         walks.add_aside(0.0, self.reach + _BEYOND, self.walker.top_speed, along, side)
-        walk: Swath | None = walks.next_free(near, self.motions, self.own)
+        walk: Swath | None = walks.next_free(self.without, self.motions, self.own)
         return walk if walk is not None and self._has_room() else None
 
     def _has_room(self) -> bool:

@@ -157,6 +157,7 @@ class WaysRound:
         Cells at the edge are blocked, so that the search need not test whether neighbours exist.
         """
         blocked: bytearray = bytearray(b"\1") * (window.rows * window.columns)
+        k: cython.Py_ssize_t
         left: cython.Py_ssize_t = window.column + 1
         right: cython.Py_ssize_t = window.column + window.columns - 1
         bottom: cython.Py_ssize_t = window.row + 1
@@ -174,7 +175,8 @@ class WaysRound:
                     o: cython.Py_ssize_t = (row - window.row) * window.columns
                     o += left - window.column
                     c: cython.Py_ssize_t = (row - j * _CHUNK) * _CHUNK + left - i * _CHUNK
-                    blocked[o : o + width] = chunk[c : c + width]
+                    for k in range(width):  # a slice of so few bytes costs more
+                        blocked[o + k] = chunk[c + k]
                     row += 1
             left = beyond
         return blocked

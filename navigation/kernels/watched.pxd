@@ -11,7 +11,7 @@ cdef class WatchRow:
     cdef list[Gauge] gauges
     cdef public KernelCondition condition
     cdef public double since, beyond
-    cdef public bint idle, asks, lasts
+    cdef public bint idle, asks, holds
     cdef bint driven
     cdef readonly double due
     cdef readonly bint open

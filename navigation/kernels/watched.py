@@ -31,8 +31,9 @@ class WatchRow:
     It is the first time from `since` (s) on at which `condition` holds, to `resolution` seconds.
     Distances are between the surfaces of `gauges`, if there are any. If the two are within `beyond`
     metres, the row is `open`: the caller has to find the time. Without a condition, the bounds of
-    the motions count. A row that is `idle` has no next change, and one that `asks` is always open.
-    With `driven`, nothing changes while the machine is stationary, unless the watch `lasts`.
+    the motions count. While the condition `holds`, the end of that is the next change. A row that
+    is `idle` has no next change, and one that `asks` is always open. With `driven`, the condition
+    never holds while the machine is stationary.
     """
 
     def __init__(
@@ -53,7 +54,7 @@ class WatchRow:
         self.since = 0.0
         self.idle = False
         self.asks = False
-        self.lasts = False
+        self.holds = False
         self.due = INFINITY
         self.open = False
         self.person: Any = None
@@ -78,16 +79,30 @@ class WatchRow:
         """Set the time `due` of the next change from `now` on, or infinity, and whether `open`."""
         self.open = self.asks
         self.due = INFINITY
-        if self.idle or self.asks or (self.driven and self.machine_ends <= now):
+        if self.idle or self.asks:
+            return 0
+        if self.driven and self.machine_ends <= now:
+            if self.holds:
+                self.due = now
             return 0
         if self.beyond >= 0.0 and self._is_near(now):
             self.open = True
         elif self.condition is not None:
-            begin: float = max(now, self.since)
-            end: float = max(begin, horizon(now, self.person_ends, self.machine_ends, self.end))
+            last: float = horizon(now, self.person_ends, self.machine_ends, self.end)
+            begin: float = now if self.holds else max(now, self.since)
+            end: float = max(begin, last)
             encounter: Encounter = Encounter(self.person, self.machine, self.gauges)
             encounter.come_to(begin)
             self.due = next_change(self.condition, encounter, end, self.resolution, False)
+            if self.holds:
+                # The present interval begins now, within the resolution. A later one is another.
+                if self.due > now + 10 * self.resolution:
+                    self.due = now
+                else:
+                    # An interval that lasts to the end lasts until a motion changes.
+                    self.due = next_change(self.condition, encounter, end, self.resolution, True)
+                    if self.due >= last:
+                        self.due = INFINITY
         return 0
 
     def _is_near(self, now: float) -> bool:
@@ -125,7 +140,7 @@ def changed_rows(rows: list[WatchRow], person: Tabled, now: float) -> list[int]:
         row: WatchRow = rows[k]
         row.person = person
         row.person_ends = ends
-        if row.idle or (row.driven and row.machine_ends < now and not row.lasts):
+        if row.idle or (row.driven and row.machine_ends < now and not (row.asks or row.holds)):
             continue
         was_open: cython.bint = row.open
         due: float = row.due

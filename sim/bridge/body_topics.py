@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import partial
 
 from ..cell import Cell, CellTask, Pose, Signal
-from ..cell.names import plain, prefix_of
 from ..competition.messages import header, laser_scan, odometry, pose_message, pose_of
-from ..competition.transport import Values
+from ..competition.transport import Values, plain, prefix_of
 from .exchange import Exchange, Topic
 
 STRING = "std_msgs/String"

@@ -80,7 +80,6 @@ class Exchange:
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
         self.changed: Callable[[], None] = lambda: None
-        self._own = 0
 
     def advertise(
         self,
@@ -97,16 +96,12 @@ class Exchange:
         client that subscribes later.
         """
         kept: deque[str] = deque(maxlen=latched)
-        return self._add(Topic(name, message_type(type_), True, heard, read, kept))
+        topic = self.topics[name] = Topic(name, message_type(type_), True, heard, read, kept)
+        return topic
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
         """Add a topic on which clients publish."""
-        self._add(Topic(name, message_type(type_), heard=heard))
-
-    def _add(self, topic: Topic) -> Topic:
-        self.topics[topic.name] = topic
-        self._own += 1
-        return topic
+        self.topics[name] = Topic(name, message_type(type_), heard=heard)
 
     def provide(
         self, name: str, type_: str, answer: Serve, request: Mapping[str, str] | None = None
@@ -250,7 +245,7 @@ class Exchange:
 
     def _create(self, name: str, type_: MessageType) -> Topic:
         """Return a new topic, on which clients hear each other."""
-        if len(self.topics) - self._own >= MOST_TOPICS:
+        if sum(topic.is_of_clients for topic in self.topics.values()) >= MOST_TOPICS:
             raise RefusedError(f"{MOST_TOPICS} topics of clients are the maximum")
         topic = self.topics[name] = Topic(name, type_)
         return topic

@@ -180,7 +180,6 @@ class RosbridgeServer:
         self._origins = origins or Origins()
         self._ledger = ledger or Ledger()
         self._notices = Notices(notice)
-        self._is_closed = False
         self._slow: set[Client] = set()
         self._numbers = itertools.count(1)
         self._server: Server | None = None
@@ -218,7 +217,6 @@ class RosbridgeServer:
     async def close(self) -> None:
         """Send everything that is waiting, and disconnect all clients."""
         await self.flush(1.0)
-        self._is_closed = True
         if self._server is not None:
             self._server.close()
             await self._server.wait_closed()
@@ -274,9 +272,10 @@ class RosbridgeServer:
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Report once that there is no room for another client, which asyncio repeats."""
         why = context.get("exception")
+        is_serving = self._server is not None and self._server.is_serving()
         if "socket" in context and isinstance(why, OSError) and why.errno in _EXHAUSTED:
             self._notices.add(f"no more clients are accepted for now: {why.strerror}")
-        elif self._is_closed and "_start_serving" in context.get("message", ""):
+        elif not is_serving and "_start_serving" in context.get("message", ""):
             pass  # asyncio tries to accept clients at a closed socket
         elif self._pass_on is not None:
             self._pass_on(loop, context)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..cell import Pace
+from ..cell.admission import Notices
 from ..competition import RefusedError
 from ..competition.machine_topics import TRAJECTORY
 from ..competition.topics import ENDED, STARTED
@@ -86,7 +87,6 @@ class Session:
         if not (math.isfinite(grace) and grace >= 0):
             raise BridgeError(f"grace must be 0 or more seconds, not {grace:g}")
         self._exchange = exchange
-        self._uplink: Uplink | None = None
         self.server: RosbridgeServer | Uplink = RosbridgeServer(
             exchange, left=self._left, failed=self._fail, origins=origins, notice=notice
         )
@@ -95,14 +95,13 @@ class Session:
         self._attends_at = 0.0
         """Real time at which the page is answered again."""
         self._notice = workcell.notice = notice
+        self._notices = Notices(notice)
         self._hold = hold
         self._grace = grace if speed else 0.0
         self._agent_since: float | None = None
         """Real time at which an agent came, until the trial begins."""
-        self._failure: Exception | None = None
         self._stepping: Client | None = None
         self._said = ""
-        self._is_slow = False
         self._changed = asyncio.Event()
         exchange.changed = self._changed.set
         self._pace = pace = Pace(
@@ -162,10 +161,10 @@ class Session:
         """
         if not self._pace.speed:
             raise BridgeError("speed must be more than 0 through another rosbridge server")
-        self.server = self._uplink = Uplink(
+        self.server = uplink = Uplink(
             self._exchange, url, notice=self._notice, changed=self._changed.set, failed=self._fail
         )
-        await self._uplink.open()
+        await uplink.open()
 
     async def run(self) -> None:
         """Advance until the trial is over.
@@ -179,13 +178,11 @@ class Session:
         if viewer is not None:
             viewer.follow(simulation, self._pace)
         try:
-            while not self._is_over:
+            while not self._pace.over:
                 if viewer is not None and _real_time() >= self._attends_at:
                     self._attends_at = _real_time() + PERIOD
                     viewer.attend(simulation)
                 await self._continue_run()
-            if self._failure is not None:
-                raise self._failure
             self._pace.check()
             self._workcell.cell.update()
             self._workcell.publish()
@@ -194,10 +191,6 @@ class Session:
             if viewer is not None:
                 viewer.leave()
             await self.server.close()
-
-    @property
-    def _is_over(self) -> bool:
-        return self._pace.over or self._failure is not None
 
     async def _continue_run(self) -> None:
         if await self._is_held():
@@ -213,12 +206,11 @@ class Session:
     async def _keep_pace(self) -> None:
         pace = self._pace
         self._catch_up()
-        if self._is_over:
+        if self._pace.over:
             return
         delay = pace.delay()
-        if pace.give_up() and not self._is_slow:
-            self._is_slow = True
-            self._notice(f"this machine is too slow for --speed {pace.speed:g}")
+        if pace.give_up():
+            self._notices.add(f"this machine is too slow for --speed {pace.speed:g}", "slow")
         await asyncio.sleep(min(max(delay, 0.0), LONGEST_NAP))
 
     async def _step(self) -> None:
@@ -238,7 +230,7 @@ class Session:
             self._pace.catch_up(LONGEST)
 
     def _fail(self, failure: Exception) -> None:
-        self._failure = self._failure or failure
+        self._pace.failure = self._pace.failure or failure
         self._changed.set()
 
     def _missing(self) -> str:
@@ -248,8 +240,8 @@ class Session:
             return PAUSED
         if self._hold:
             return "nobody has called /ariac/start_competition"
-        if self._uplink is not None:
-            return "" if clients else f"there is no connection to {self._uplink.url}"
+        if isinstance(self.server, Uplink):
+            return "" if clients else f"there is no connection to {self.server.url}"
         for person in self._workcell.external:
             if not any(self._is_agent(client, person.name) for client in clients):
                 self._agent_since = None
@@ -345,13 +337,13 @@ class Session:
             raise RefusedError("no person is driven from outside")
         if self._stepping not in (None, client):
             raise RefusedError("another client steps through time")
-        if not self._is_over:
+        if not self._pace.over:
             workcell.cell.admission.admit("/floorwalker/advance", None)
         self._stepping = client
         self._changed.set()
         if request["until"] >= workcell.now:
             workcell.external[0].decide_by(request["until"])
-            while not self._is_over:
+            while not self._pace.over:
                 if await self._is_held():
                     continue
                 self._begin()
@@ -359,7 +351,7 @@ class Session:
                     break
                 await self.server.flush(PATIENCE)
                 await asyncio.sleep(0)
-        return {"time": workcell.now, "ended": self._is_over}
+        return {"time": workcell.now, "ended": self._pace.over}
 
 
 def _real_time() -> float:

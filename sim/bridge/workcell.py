@@ -113,24 +113,24 @@ class Workcell:
         if self.cell.has_decision:
             self.publish()
 
-    def _named_frames(self) -> list[tuple[str, Body, float]]:
-        """Return the frames of person, gantry, AGVs and all others, with heights in metres."""
-        simulation = self.simulation
-        frames = [(f"{agv.lane.name}_base", agv.body, 0.0) for agv in simulation.agvs]
-        if simulation.gantry is not None:
-            height = simulation.gantry.gantry.rail_height
-            frames.insert(0, ("torso_base", simulation.gantry.body, height))
+    def _named_frames(self) -> dict[Body, tuple[str, float]]:
+        """Return name and height (m) of the frame of each body."""
+        frames, gantry = dict[Body, tuple[str, float]](), self.simulation.gantry
         if self.person is not None:
-            frames.insert(0, ("base_link", self.person.walker.body, 0.0))
-        listed = {body for _, body, _ in frames}
-        others = [body for body in simulation.bodies if body not in listed]
-        return [*frames, *((f"{body.name}/base_link", body, 0.0) for body in others)]
+            frames[self.person.body] = ("base_link", 0.0)
+        if gantry is not None:
+            frames[gantry.body] = ("torso_base", gantry.gantry.rail_height)
+        for agv in self.simulation.agvs:
+            frames[agv.body] = (f"{agv.lane.name}_base", 0.0)
+        for body in self.simulation.bodies:
+            frames.setdefault(body, (f"{body.name}/base_link", 0.0))
+        return frames
 
     def _transforms(self) -> Values:
         """Return tf2_msgs/TFMessage from the world to all frames."""
         return {
             "transforms": [
                 transform(self.now, "world", name, Pose.of(body.state), height)
-                for name, body, height in self._frames
+                for body, (name, height) in self._frames.items()
             ]
         }

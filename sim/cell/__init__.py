@@ -5,12 +5,12 @@
 values that must not enter.
 """
 
+from ..machines.gantry.trajectories import JointPoint, JointTrajectory
 from .admission import Rejected
 from .cell import Cell
 from .pace import Pace
 from .signals import Signal
 from .tasks import CellCommand, CellTask, Running
-from .trajectories import JointPoint, JointTrajectory
 from .values import Feedback, MonitorState, Pose, Scan, Velocity
 
 __all__ = [

@@ -71,7 +71,6 @@ class Cell:
         self.commands = {name: CellCommand(name, self._carry_out) for name in self._commands}
         self.tasks = {name: CellTask(name, self._carry_out) for name in self._tasks}
         self._states = [one for name, one in self.signals.items() if name.endswith("/state")]
-        self._sent = {one: one.read() for one in self._states}
         self._events = len(simulation.events)
 
     def _bind(self, simulation: Simulation) -> None:
@@ -148,9 +147,7 @@ class Cell:
             if running.ended and self._running.get(body) is running:
                 del self._running[body]
         for signal in self._states:
-            if signal.is_watched and (state := signal.read()) != self._sent[signal]:
-                self._sent[signal] = state
-                signal.send(state)
+            signal.refresh()
 
     def _decide(self) -> None:
         self.has_decision = True

@@ -18,9 +18,9 @@ from ..machines.agv.agv import Agv
 from ..machines.amr.amr import Amr
 from ..machines.commanded import CommandedMachine
 from ..machines.gantry.robot import GantryRobot
+from ..machines.gantry.trajectories import JointTrajectory, follow
 from ..simulation import BY_COMMAND
 from .tasks import REPLACED, SUCCEEDED, Running, tasks_to
-from .trajectories import JointTrajectory, follow
 from .values import Pose, Target, target_of
 
 TWIST_TIME = 0.5

@@ -47,20 +47,24 @@ class Signal:
     rate: float | None = None
     latched: bool = False
     _watchers: list[Callable[[Any], None]] = field(default_factory=list)
+    _last: Any = None
 
     def watch(self, changed: Callable[[Any], None]) -> None:
         """Call a function with each new value."""
         self._watchers.append(changed)
+        if self.latched:
+            self._last = self.read()
 
     def send(self, value: Any) -> None:
         """Notify those who watch of a new value."""
         for changed in self._watchers:
             changed(value)
 
-    @property
-    def is_watched(self) -> bool:
-        """Whether the signal has a reader."""
-        return bool(self._watchers)
+    def refresh(self) -> None:
+        """Send the present value if it differs from the last one."""
+        if self._watchers and (value := self.read()) != self._last:
+            self._last = value
+            self.send(value)
 
 
 def signals_of(simulation: Simulation) -> Iterator[Signal]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-
-from floorplan.files.dataclass import dataclass
 
 from .arguments import NoOwnCode, complete_trial
 from .terminal import say

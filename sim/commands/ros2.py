@@ -82,9 +82,12 @@ class _Served:
         """Finish the simulation, and return the next one, whose folder has a number."""
         from ..runs.recording import Recording
 
+        before = self.simulation
         self.finish()
         say(f"recorded in {self.recording.folder}", err=True)
         self._begin(Recording(self._folder, numbered=True))
+        if before.stopped:  # by Ctrl-C, which may come at any point
+            self.simulation.stop()
         return self.simulation
 
     def finish(self) -> Run | None:

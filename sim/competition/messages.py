@@ -12,7 +12,7 @@ from navigation.motion import State
 
 from ..cell import Pose, Rejected, Scan, Velocity
 from ..cell.signals import SCANS
-from ..cell.trajectories import JOINTS, joint_values
+from ..machines.gantry.trajectories import JOINTS, joint_values
 from ..orders.workload import AssemblyTask, KittingTask, Order, PartType
 
 Message = dict[str, Any]

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from floorplan import UserError
+
+from ..machines.amr.amr import Amr
+from ..simulation import Simulation
 
 
 class RefusedError(UserError):
@@ -73,3 +77,15 @@ class Transport(Protocol):
 
     def publish(self, topic: Any, message: Values) -> None:
         """Send a message of the simulation to every subscriber of its topic."""
+
+
+def prefix_of(simulation: Simulation, name: str) -> str:
+    """Return the prefix of the topics of a body, empty for the only vehicle that drives freely."""
+    free = [one for one, machine in simulation.machines.items() if isinstance(machine, Amr)]
+    return "" if free == [name] else f"{plain(name)}/"
+
+
+def plain(name: str) -> str:
+    """Return a name as ROS allows it."""
+    text = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return text if text[:1].isalpha() else f"body_{text}"

@@ -161,7 +161,7 @@ class Clock(InProgress, simpy.Environment):
         """Process events before the turn `OUTSIDE` at `until` (s), or until `enough()` is true."""
         with suppress(StopSimulation):  # at the end of the trial, or after `stop`
             while enough is None or not enough():
-                if self.peek() >= until:
+                if not self._scheduled or self._scheduled[0][0] >= until:
                     arrival = self.at(until, Turn.OUTSIDE)
                     while not arrival.processed:
                         self.step()
@@ -247,7 +247,7 @@ class Alarm(InProgress):
     def __init__(self, clock: Clock, action: Callable[[], None], turn: Turn) -> None:
         self._clock = clock
         self._action = action
-        self._turn = turn
+        self._priority = _PRIORITY[turn]
         self._time: float | None = None
         self._settings = 0
 
@@ -269,7 +269,9 @@ class Alarm(InProgress):
         self._time = t
         self._settings += 1
         if t is not None:
-            self._clock.call_at(t, partial(self._ring, self._settings), self._turn)
+            clock = self._clock
+            action = partial(self._ring, self._settings)
+            clock._put(t if t > clock.now else clock.now, self._priority, action)
 
     def _ring(self, setting: int) -> None:
         # A call that was changed or cancelled stays in the queue.

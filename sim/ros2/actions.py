@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from rclpy.action import CancelResponse, GoalResponse
@@ -15,6 +16,7 @@ from .messages import filled
 from .node import CellNode
 
 
+@dataclass(eq=False, kw_only=True)
 class Action:
     """Action that starts a task for each goal.
 
@@ -22,28 +24,20 @@ class Action:
     their messages. The result of a failure has the error code `failed`.
     """
 
-    def __init__(
-        self,
-        ros: CellNode,
-        name: str,
-        type_: str,
-        *,
-        start: Callable[[Any], Running],
-        feedback: Callable[[Running], Values],
-        result: Callable[[Running], Values] = lambda running: {},
-        failed: int,
-    ) -> None:
-        self._ros = ros
-        self._name = name
-        self._start = start
-        self._feedback = feedback
-        self._result = result
-        self._failed = failed
+    ros: CellNode
+    name: str
+    type_: str
+    start: Callable[[Any], Running]
+    feedback: Callable[[Running], Values]
+    result: Callable[[Running], Values] = lambda running: {}
+    failed: int
+
+    def __post_init__(self) -> None:
         self._accepted: Running | None = None
         self._running: dict[bytes, tuple[Any, Running]] = {}
-        self._type = ros.provide_action(
-            name,
-            type_,
+        self._type = self.ros.provide_action(
+            self.name,
+            self.type_,
             execute_callback=self._execute,
             goal_callback=self._take,
             handle_accepted_callback=self._begin,
@@ -59,12 +53,12 @@ class Action:
         """Publish feedback on all goals under way."""
         for handle, running in self._running.values():
             if not running.ended:  # otherwise its result is sent soon
-                handle.publish_feedback(filled(self._type.Feedback(), self._feedback(running)))
+                handle.publish_feedback(filled(self._type.Feedback(), self.feedback(running)))
 
     def _take(self, goal: Any) -> GoalResponse:
         self._accepted = None
-        with self._ros.rejecting(self._name):
-            self._accepted = self._start(goal)
+        with self.ros.rejecting(self.name):
+            self._accepted = self.start(goal)
         return GoalResponse.REJECT if self._accepted is None else GoalResponse.ACCEPT
 
     def _begin(self, handle: Any) -> None:
@@ -74,7 +68,7 @@ class Action:
         handle.execute()
 
     def _cancel(self, handle: Any) -> CancelResponse:
-        with self._ros.rejecting(self._name):
+        with self.ros.rejecting(self.name):
             self._running[bytes(handle.goal_id.uuid)][1].cancel()
         return CancelResponse.ACCEPT
 
@@ -84,13 +78,13 @@ class Action:
         running.on_end(lambda _: end.set_result(None))
         await end
         del self._running[bytes(handle.goal_id.uuid)]
-        outcome, values = str(running.result), self._result(running)
+        outcome, values = str(running.result), self.result(running)
         if handle.is_cancel_requested:
             handle.canceled()
         elif outcome == SUCCEEDED:
             handle.succeed()
         else:
             handle.abort()
-            self._ros.warn(self._name, outcome)
-            values |= {"error_code": self._failed, "error_msg": outcome, "error_string": outcome}
+            self.ros.warn(self.name, outcome)
+            values |= {"error_code": self.failed, "error_msg": outcome, "error_string": outcome}
         return filled(self._type.Result(), values)

@@ -14,13 +14,12 @@ from ..competition.transport import Answer
 from .messages import filled
 from .node import CellNode
 
-FEATURES = {
-    **{"named poses": 2, "tags": 4, "bounds": 5, "boxes": 6, "convex hulls": 7, "categories": 8},
-    **{"states of entities": 10, "information about entities": 12, "information about worlds": 43},
-    **{"reading the state": 24, "setting the state": 25, "pausing": 26},
-    **{"one step": 31, "several steps": 32, "action of steps": 33},
-}
-"""Numbers in SimulatorFeatures of what each trial supports."""
+FEATURES = (2, 4, 5, 6, 7, 8, 10, 12, 24, 25, 26, 31, 32, 33, 43)
+"""Numbers in SimulatorFeatures of what each trial supports.
+
+Named poses; tags, bounds of three types, categories, states and information of entities;
+reading, setting and pausing the state; one step, several and their action; the world.
+"""
 
 RESET = 20
 """Number of the feature SIMULATION_RESET."""
@@ -31,8 +30,8 @@ STOPPED, PLAYING, PAUSED, QUITTING = range(4)
 UNSUPPORTED, OK, NOT_FOUND, _, FAILED = range(5)
 """Results of all services."""
 
-ALREADY, IMPOSSIBLE = 101, 102
-"""Results of SetSimulationState: nothing to change, and a change that failed."""
+ALREADY = 101
+"""Result of SetSimulationState if there is nothing to change."""
 
 TIME_AND_STATE = 3
 """Scope of a reset."""
@@ -55,7 +54,7 @@ class Control:
         self._step = step
         self._reset = reset
         self._is_stopped = False
-        features = [*FEATURES.values(), *([RESET] if reset else [])]
+        features = [*FEATURES, *([RESET] if reset else [])]
         provide_all(
             ros,
             GetSimulatorFeatures=lambda _, __: {"features": {"features": features}},
@@ -81,16 +80,12 @@ class Control:
         state, pace = request["state"]["state"], self._pace
         if state == self._state:
             return failed("it is in this state", ALREADY)
-        if state == PLAYING and not pace.speed:
-            return failed("with --step, time does not play", IMPOSSIBLE)
-        if state not in (STOPPED, PLAYING, PAUSED, QUITTING) or (
-            state == STOPPED and self._reset is None
-        ):
-            return failed("a trial has no such state", UNSUPPORTED)
         if state == QUITTING:
             pace.end()
-        if state == STOPPED and self._reset is not None:
+        elif state == STOPPED and self._reset is not None:
             self._reset()
+        elif state != PAUSED and not (state == PLAYING and pace.speed):
+            return failed("this simulation has no such state", UNSUPPORTED)
         if pace.speed:
             pace.change(paused=state != PLAYING)
         self._is_stopped = state == STOPPED

@@ -5,16 +5,18 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import shapely
 from shapely.affinity import rotate, translate
 from shapely.geometry import MultiPoint, Polygon
 
-from ..cell import Cell, Pose
+from ..cell import Cell, Pose, Signal
 from ..competition import Values
 from ..competition.messages import header, pose_message, twist_message, vector
+from ..competition.transport import Answer
 from ..exports.scene import ROOT_FRAME
 from .control import NOT_FOUND, UNSUPPORTED, done, failed, provide_all
 from .node import CellNode
@@ -25,14 +27,20 @@ ROBOT, HUMAN = 1, 2
 EMPTY, BOX, HULL, SPHERE = range(4)
 """Types of Bounds."""
 
+STATE = ("pose", "velocity")
+"""Names of the signals of an entity."""
+
 ALL = 1
 """Mode of TagsFilter that requires all tags."""
 
 
-class Entity(NamedTuple):
-    """Person or machine: path of its signals, category, tags, and solid around its axis (m)."""
+@dataclass(frozen=True)
+class Entity:
+    """Person or machine, with the solid around its axis (m)."""
 
-    path: str
+    name: str
+    pose: Signal
+    velocity: Signal
     category: int
     tags: list[str]
     footprint: Polygon
@@ -40,57 +48,52 @@ class Entity(NamedTuple):
     top: float
 
 
-class Unsupported(Exception):  # noqa: N818 (a result, not a fault)
-    """Filter that cannot be applied."""
-
-
 class Entities:
     """Provider of the services that read the simulation."""
 
     def __init__(self, ros: CellNode, cell: Cell) -> None:
         self._cell = cell
-        self._entities = dict(_entities_of(cell))
+        self._entities = {one.name: one for one in _entities_of(cell)}
         provide_all(
             ros,
             GetEntities=self._get_entities,
-            GetEntitiesStates=self._get_states,
-            GetEntityInfo=self._get_info,
-            GetEntityState=self._get_state,
-            GetEntityBounds=self._get_bounds,
+            GetEntitiesStates=self._get_entities,
+            GetEntityInfo=self._about(_info),
+            GetEntityState=self._about(lambda entity: {"state": self._state(entity)}),
+            GetEntityBounds=self._about(_bounds),
             GetNamedPoses=self._get_named_poses,
             GetCurrentWorld=self._get_world,
         )
 
     def _get_entities(self, _: Any, request: Values) -> Values:
+        """Return the answer of GetEntities, with the states of GetEntitiesStates."""
+        filters = request["filters"]
         try:
-            names = [name for name in self._entities if self._passes(request["filters"], name)]
+            entities = [one for one in self._entities.values() if _passes(filters, one)]
         except re.error as why:
-            return failed(f"{request['filters']['filter']!r} is no expression: {why}")
-        except Unsupported as why:
+            return failed(f"{filters['filter']!r} is no expression: {why}")
+        except NotImplementedError as why:
             return failed(str(why), UNSUPPORTED)
-        return done(entities=names)
+        states = [self._state(one) for one in entities]
+        return done(entities=[one.name for one in entities], states=states)
 
-    def _get_states(self, _: Any, request: Values) -> Values:
-        response = self._get_entities(_, request)
-        return response | {"states": [self._state(one) for one in response.get("entities", ())]}
+    def _about(self, content: Callable[[Entity], Values]) -> Answer:
+        """Return a service that answers with the content about an entity that is here."""
 
-    def _get_state(self, _: Any, request: Values) -> Values:
-        name = request["entity"]
-        is_here = name in self._entities and self._pose(name) is not None
-        return done(state=self._state(name)) if is_here else _not_found(name)
+        def answer(_: Any, request: Values) -> Values:
+            entity = self._entities.get(request["entity"])
+            if entity is None or entity.pose.read() is None:
+                return failed(f"there is no entity {request['entity']!r} now", NOT_FOUND)
+            return done(**content(entity))
 
-    def _get_info(self, _: Any, request: Values) -> Values:
-        if (entity := self._entities.get(request["entity"])) is None:
-            return _not_found(request["entity"])
-        category, description = {"category": entity.category}, ", ".join(entity.tags)
-        return done(info={"category": category, "tags": entity.tags, "description": description})
+        return answer
 
-    def _get_bounds(self, _: Any, request: Values) -> Values:
-        if (entity := self._entities.get(request["entity"])) is None:
-            return _not_found(request["entity"])
-        west, south, east, north = entity.footprint.bounds
-        corners = [vector((east, north), entity.top), vector((west, south), entity.bottom)]
-        return done(bounds={"type": BOX, "points": corners})
+    def _state(self, entity: Entity) -> Values:
+        return {
+            "header": header(self._cell.now, ROOT_FRAME),
+            "pose": pose_message(entity.pose.read()),
+            "twist": twist_message(entity.velocity.read()),
+        }
 
     def _get_named_poses(self, _: Any, request: Values) -> Values:
         poses = [
@@ -104,39 +107,28 @@ class Entities:
         scene = self._cell.simulation.scene
         return done(world={"name": scene.floorplan.name, "description": scene.trial})
 
-    def _pose(self, name: str) -> Any:
-        return self._cell.signals[f"{self._entities[name].path}/pose"].read()
 
-    def _state(self, name: str) -> Values:
-        velocity = self._cell.signals[f"{self._entities[name].path}/velocity"].read()
-        return {
-            "header": header(self._cell.now, ROOT_FRAME),
-            "pose": pose_message(self._pose(name)),
-            "twist": twist_message(velocity),
-        }
-
-    def _passes(self, filters: Values, name: str) -> bool:
-        """Return whether a person or machine is on the floor and passes filters."""
-        entity, pose = self._entities[name], self._pose(name)
-        categories = [one["category"] for one in filters["categories"]]
-        return (
-            pose is not None
-            and re.search(filters["filter"], name) is not None
-            and (not categories or entity.category in categories)
-            and _has_tags(filters["tags"], entity.tags)
-            and _overlap(filters["bounds"], entity, pose)
-        )
-
-
-def _entities_of(cell: Cell) -> Iterator[tuple[str, Entity]]:
-    scene = cell.simulation.scene
+def _entities_of(cell: Cell) -> Iterator[Entity]:
+    scene, signals = cell.simulation.scene, cell.signals
     for person in scene.people:
+        pose, velocity = (signals[f"people/{person.name}/{name}"] for name in STATE)
         circle, tags = shapely.Point(0.0, 0.0).buffer(person.radius), ["person", person.personality]
-        path = f"people/{person.name}"
-        yield person.name, Entity(path, HUMAN, tags, circle, 0.0, person.height)
+        yield Entity(person.name, pose, velocity, HUMAN, tags, circle, 0.0, person.height)
     for shape in scene.machines:
-        tags, solid = [shape.category, shape.kind], (Polygon(shape.corners), shape.bottom)
-        yield shape.name, Entity(f"machines/{shape.name}", ROBOT, tags, *solid, shape.top)
+        pose, velocity = (signals[f"machines/{shape.name}/{name}"] for name in STATE)
+        tags, solid = [shape.category, shape.kind], Polygon(shape.corners)
+        yield Entity(shape.name, pose, velocity, ROBOT, tags, solid, shape.bottom, shape.top)
+
+
+def _info(entity: Entity) -> Values:
+    category, description = {"category": entity.category}, ", ".join(entity.tags)
+    return {"info": {"category": category, "tags": entity.tags, "description": description}}
+
+
+def _bounds(entity: Entity) -> Values:
+    west, south, east, north = entity.footprint.bounds
+    corners = [vector((east, north), entity.top), vector((west, south), entity.bottom)]
+    return {"bounds": {"type": BOX, "points": corners}}
 
 
 def _places_of(cell: Cell) -> Iterator[tuple[str, str, Pose]]:
@@ -152,18 +144,33 @@ def _places_of(cell: Cell) -> Iterator[tuple[str, str, Pose]]:
             yield f"{lane.name}/{location}", "location", Pose(*lane.position(along), heading)
 
 
+def _passes(filters: Values, entity: Entity) -> bool:
+    """Return whether a person or machine is on the floor and passes filters."""
+    categories, pose = [one["category"] for one in filters["categories"]], entity.pose.read()
+    return (
+        pose is not None
+        and re.search(filters["filter"], entity.name) is not None
+        and (not categories or entity.category in categories)
+        and _has_tags(filters["tags"], entity.tags)
+        and _overlap(filters["bounds"], entity, pose)
+    )
+
+
 def _has_tags(wanted: Values, tags: list[str]) -> bool:
     some = all if wanted["filter_mode"] == ALL else any
     return not wanted["tags"] or some(tag in tags for tag in wanted["tags"])
 
 
 def _overlap(bounds: Values, entity: Entity, pose: Pose) -> bool:
-    """Return whether bounds contain a part of an entity. `Unsupported` for unknown types."""
+    """Return whether bounds contain a part of an entity.
+
+    `NotImplementedError` for bounds of unknown types.
+    """
     kind, points = bounds["type"], [(one["x"], one["y"], one["z"]) for one in bounds["points"]]
     if kind == EMPTY:
         return True
     if not all(map(math.isfinite, itertools.chain(*points))):
-        raise Unsupported("numbers of bounds must be finite")
+        raise NotImplementedError("numbers of bounds must be finite")
     if kind == SPHERE and len(points) == 2:
         (x, y, z), (radius, *_) = points
         region, low, high = shapely.Point(x, y).buffer(radius), z - radius, z + radius
@@ -172,11 +179,7 @@ def _overlap(bounds: Values, entity: Entity, pose: Pose) -> bool:
         region = corners.envelope if kind == BOX else corners.convex_hull
         low, high = min(z for *_, z in points), max(z for *_, z in points)
     else:
-        raise Unsupported(f"there are no bounds of type {kind} with {len(points)} points")
+        raise NotImplementedError(f"there are no bounds of type {kind} with {len(points)} points")
     turned = rotate(entity.footprint, pose.heading, origin=(0.0, 0.0), use_radians=True)
     here = translate(turned, pose.x, pose.y)
     return bool(here.intersects(region)) and entity.bottom <= high and low <= entity.top
-
-
-def _not_found(name: str) -> Values:
-    return failed(f"there is no entity {name!r} now", NOT_FOUND)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import array
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import shapely
@@ -21,30 +21,30 @@ from .node import CellNode
 TF = "tf2_msgs/TFMessage"
 
 
-def add_frames(ros: CellNode, cell: Cell, vehicles: Iterable[VehicleTopics]) -> None:
+def add_frames(ros: CellNode, cell: Cell, vehicles: Sequence[VehicleTopics]) -> None:
     """Publish `/clock`, `/tf` and `/tf_static`.
 
     Each body also has the frame in which its markers are drawn.
     """
+    paths = ((name.split("/"), signal) for name, signal in cell.signals.items())
+    poses = [(frame(path[1]), signal) for path, signal in paths if path[2:] == ["pose"]]
 
     def message(frames: Iterable[Frame]) -> Values:
         return {"transforms": [transform(cell.now, *one) for one in frames]}
 
-    def of(vehicles: Iterable[VehicleTopics]) -> Callable[[], Values]:
-        return lambda: message(frame for one in vehicles for frame in one.moving_frames)
+    def moving() -> Values:
+        return message(one for vehicle in vehicles for one in vehicle.moving_frames)
 
     def bodies() -> Values:
-        poses = ((name, signal.read()) for name, signal in signals)
-        return message((ROOT_FRAME, frame(name), pose) for name, pose in poses if pose is not None)
+        here = ((name, signal.read()) for name, signal in poses)
+        return message((ROOT_FRAME, name, pose) for name, pose in here if pose is not None)
 
-    vehicles = tuple(vehicles)
-    paths = ((name.split("/"), signal) for name, signal in cell.signals.items())
-    signals = [(path[1], signal) for path, signal in paths if path[2:] == ["pose"]]
-    ros.advertise("/clock", "rosgraph_msgs/Clock", lambda: {"clock": seconds(cell.now)}, rate=POSES)
-    ros.advertise("/tf", TF, of(vehicles), rate=POSES)
+    clock = "rosgraph_msgs/Clock"
+    ros.advertise("/clock", clock, lambda: {"clock": seconds(cell.now)}, rate=POSES)
+    ros.advertise("/tf", TF, moving, rate=POSES)
     ros.advertise("/tf", TF, bodies)
-    fixed = message(one.fixed_frame for one in vehicles)
-    ros.publish(ros.advertise("/tf_static", TF, latched=1), fixed)
+    fixed = ros.advertise("/tf_static", TF, latched=1)
+    ros.publish(fixed, message(vehicle.fixed_frame for vehicle in vehicles))
 
 
 RESOLUTION = 0.05
@@ -62,12 +62,8 @@ def publish_map(ros: CellNode, plan: Floorplan) -> None:
     free = plan.free(0.0, plan.human.height)
     shapely.prepare(free)
     cells = np.where(shapely.contains_xy(free, *np.meshgrid(x, y)), FREE, OCCUPIED)
-    grid = {
-        "header": header(0.0, ROOT_FRAME),
-        "info": {
-            **{"resolution": RESOLUTION, "width": len(x), "height": len(y)},
-            "origin": {"position": {"x": low_x, "y": low_y}},
-        },
-        "data": array.array("b", cells.astype(np.int8).tobytes()),
-    }
-    ros.publish(ros.advertise("map", "nav_msgs/OccupancyGrid", latched=1), grid)
+    size = {"resolution": RESOLUTION, "width": len(x), "height": len(y)}
+    info = {**size, "origin": {"position": {"x": low_x, "y": low_y}}}
+    data = array.array("b", cells.astype(np.int8).tobytes())
+    topic = ros.advertise("map", "nav_msgs/OccupancyGrid", latched=1)
+    ros.publish(topic, {"header": header(0.0, ROOT_FRAME), "info": info, "data": data})

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import array
 import math
+from functools import partial
 from typing import Any
 
-from ..cell import Cell, Pose, Running
+from ..cell import Cell, CellCommand, Pose, Running, Scan, Signal
 from ..cell.signals import POSES, SCANS
 from ..competition import Values
 from ..competition.machine_topics import trajectory_of
@@ -36,20 +37,19 @@ class VehicleTopics:
         self._cell = cell
         self._pose = cell.signals[f"machines/{name}/pose"]
         self._velocity = cell.signals[f"machines/{name}/velocity"]
-        self._scan = cell.signals.get(f"machines/{name}/scan")
         self._odom, self._base = f"{prefix}odom", f"{prefix}base_link"
         self._laser, self._commands = f"{prefix}base_scan", f"{prefix}cmd_vel"
         self._origin: Pose = self._pose.read()
         ros.advertise(self._odom, "nav_msgs/Odometry", self._odometry, rate=POSES)
-        if self._scan is not None:
-            ros.advertise(f"{prefix}scan", "sensor_msgs/LaserScan", self._laser_scan, rate=SCANS)
+        if (scan := cell.signals.get(f"machines/{name}/scan")) is not None:
+            read = partial(self._laser_scan, scan)
+            ros.advertise(f"{prefix}scan", "sensor_msgs/LaserScan", read, rate=SCANS)
         self._drive = cell.commands.get(f"machines/{name}/twist")
-        self._locate = cell.commands.get(f"machines/{name}/pose")
         self._listening = ("", None)
         self.listen()
-        if self._locate is not None:
+        if (locate := cell.commands.get(f"machines/{name}/pose")) is not None:
             located = "geometry_msgs/PoseWithCovarianceStamped"
-            ros.listen(f"{prefix}initialpose", located, self._take_pose)
+            ros.listen(f"{prefix}initialpose", located, partial(_confirm, locate))
 
     def listen(self) -> None:
         """Subscribe to velocity commands, in the type of their publisher.
@@ -68,21 +68,13 @@ class VehicleTopics:
         if message_type == type_:
             return
         if subscription is None:
-            subscription = self._ros.listen(self._commands, message_type, self._take)
+            drive = partial(_drive, self._drive)
+            subscription = self._ros.listen(self._commands, message_type, drive)
             self._listening = (message_type, subscription)
         else:
             # The executor releases the old subscription before the next call.
             self._ros.node.destroy_subscription(subscription)
             self._listening = ("", None)
-
-    def _take(self, message: Values, _: str) -> None:
-        twist = message.get("twist", message)
-        assert self._drive is not None
-        self._drive.take((twist["linear"]["x"], twist["linear"]["y"], twist["angular"]["z"]))
-
-    def _take_pose(self, message: Values, _: str) -> None:
-        assert self._locate is not None
-        self._locate.take(stamped_pose_of(message["pose"] | {"header": message["header"]}))
 
     @property
     def fixed_frame(self) -> Frame:
@@ -101,14 +93,22 @@ class VehicleTopics:
         moved, velocity = _within(self._origin, pose), self._velocity.read().seen_at(pose.heading)
         return odometry(self._cell.now, self._odom, self._base, moved, velocity)
 
-    def _laser_scan(self) -> Values:
+    def _laser_scan(self, signal: Signal) -> Values:
         """Return what the scanner sees: infinity beyond its reach (REP 117)."""
-        assert self._scan is not None
-        scan = self._scan.read()
+        scan: Scan = signal.read()
         ranges = scan.distances.astype("f")
         ranges[scan.distances >= scan.reach] = math.inf
         message = laser_scan(self._cell.now, self._laser, scan)
         return message | {"ranges": array.array("f", ranges.tobytes())}
+
+
+def _drive(command: CellCommand, message: Values, _: str) -> None:
+    twist = message.get("twist", message)
+    command.take((twist["linear"]["x"], twist["linear"]["y"], twist["angular"]["z"]))
+
+
+def _confirm(command: CellCommand, message: Values, _: str) -> None:
+    command.take(stamped_pose_of(message["pose"] | {"header": message["header"]}))
 
 
 def _within(origin: Pose, pose: Pose) -> Pose:
@@ -130,11 +130,8 @@ def gantry_action(ros: CellNode, cell: Cell, name: str) -> Action:
         machine = cell.simulation.machines[name]
         assert isinstance(machine, GantryRobot)
         actual = joint_state(cell.now, machine.gantry, machine.state)
-        return {
-            "header": actual["header"],
-            "joint_names": actual["name"],
-            "actual": {"positions": actual["position"], "velocities": actual["velocity"]},
-        }
+        point = {"positions": actual["position"], "velocities": actual["velocity"]}
+        return {"header": actual["header"], "joint_names": actual["name"], "actual": point}
 
     def start(goal: Any) -> Running:
         task = cell.tasks[f"machines/{name}/trajectory"]
@@ -142,4 +139,6 @@ def gantry_action(ros: CellNode, cell: Cell, name: str) -> Action:
 
     action = "gantry_controller/follow_joint_trajectory"
     type_ = "control_msgs/FollowJointTrajectory"
-    return Action(ros, action, type_, start=start, feedback=feedback, failed=INVALID_GOAL)
+    return Action(
+        ros=ros, name=action, type_=type_, start=start, feedback=feedback, failed=INVALID_GOAL
+    )

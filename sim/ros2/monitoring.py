@@ -36,7 +36,9 @@ def add_monitoring(ros: CellNode, cell: Cell) -> None:
                 status.append(
                     {
                         "name": f"separation of {person} and {machine}",
-                        **{"hardware_id": machine, "level": level, "message": message},
+                        "hardware_id": machine,
+                        "level": level,
+                        "message": message,
                         "values": [{"key": k, "value": f"{v:.4f}"} for k, v in values.items()],
                     }
                 )
@@ -112,10 +114,15 @@ def _marker(thing: Thing, number: int, shape: Shape) -> Values:
     size = (length, width, width if shape.kind == "arrow" else height)
     return {
         "header": header(0.0, thing.frame),  # at 0, the latest transform applies
-        **{"ns": thing.name, "id": number, "type": KINDS[shape.kind], "frame_locked": True},
+        "frame_locked": True,
+        "ns": thing.name,
+        "id": number,
+        "type": KINDS[shape.kind],
         "pose": {"position": _xyz(shape.at), "orientation": about_z(shape.yaw)},
-        **{"scale": _xyz(size), "color": dict(zip("rgba", shape.color, strict=True))},
-        **{"points": [_xyz(point) for point in shape.points], "text": shape.text},
+        "scale": _xyz(size),
+        "color": dict(zip("rgba", shape.color, strict=True)),
+        "points": [_xyz(point) for point in shape.points],
+        "text": shape.text,
     }
 
 

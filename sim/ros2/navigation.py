@@ -82,7 +82,9 @@ def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Itera
         values = {
             "current_pose": _stamped(cell.now, progress.pose),
             "navigation_time": seconds(progress.elapsed),
-            **{"distance_remaining": left, "distance_to_goal": left, "speed": speed},
+            "distance_remaining": left,
+            "distance_to_goal": left,
+            "speed": speed,
         }
         if speed > SLOWEST:
             values["estimated_time_remaining"] = seconds(left / speed)
@@ -92,13 +94,14 @@ def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Itera
             values["waypoint_statuses"] = _statuses(running)
         return values
 
-    ros.provide(f"{namespace}/bt_navigator/get_state", "lifecycle_msgs/GetState", lambda *_: ACTIVE)
+    state = f"{namespace}/bt_navigator/get_state"
+    ros.provide(state, "lifecycle_msgs/GetState", lambda *_: ACTIVE)
     for kind in KINDS:
         if f"{body}/{kind.task}" in cell.tasks:
             yield Action(
-                ros,
-                f"{namespace}/{kind.name}",
-                f"nav2_msgs/{kind.interface}",
+                ros=ros,
+                name=f"{namespace}/{kind.name}",
+                type_=f"nav2_msgs/{kind.interface}",
                 start=partial(start, kind),
                 feedback=feedback,
                 result=partial(_result, kind),
@@ -127,8 +130,10 @@ def _statuses(running: Running, unknown: int = 0) -> list[Values]:
     statuses = [
         {
             "waypoint_status": COMPLETED if k < reached else PENDING,
-            **{"waypoint_index": k, "waypoint_pose": _stamped(0.0, pose)},
-            **{"index": k, "goal": _stamped(0.0, pose)},  # of MissedWaypoint, before Kilted
+            "waypoint_index": k,
+            "waypoint_pose": _stamped(0.0, pose),
+            "index": k,  # of MissedWaypoint, before Kilted
+            "goal": _stamped(0.0, pose),
         }
         for k, pose in enumerate(running.goal)
     ]

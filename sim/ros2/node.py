@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib import import_module
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 from rclpy.action import ActionServer
 from rclpy.node import Node
@@ -33,22 +33,11 @@ CALLER = SimpleNamespace(name="")
 """Client of every service, because ROS does not name it."""
 
 
-@dataclass(eq=False, frozen=True)
-class RosTopic:
-    """Topic on which the cell publishes what `read` returns at a rate (Hz).
-
-    It is never needed if its type is not installed.
-    """
+class RosTopic(NamedTuple):
+    """Publisher of a topic, and class of its messages. They are None if it is not installed."""
 
     publisher: Any
-    message: Callable[[], Any] | None
-    read: Read | None
-    rate: float
-
-    @property
-    def is_needed(self) -> bool:
-        """Whether there is a subscriber."""
-        return self.message is not None and self.publisher.get_subscription_count() > 0
+    message: Any
 
 
 class CellNode:
@@ -62,7 +51,7 @@ class CellNode:
         self.notice = notice
         self._omitted: dict[str, set[str]] = {}
         self._notices = Notices(notice)
-        self._read: list[RosTopic] = []
+        self._read: defaultdict[float, list[tuple[RosTopic, Read]]] = defaultdict(list)
         self._turns: list[Future] = []
 
     def find(self, interface: str, kind: str, use: str) -> Any:
@@ -94,10 +83,11 @@ class CellNode:
         if latched:
             qos.durability = DurabilityPolicy.TRANSIENT_LOCAL
         message = self.find(type_, "msg", name)
-        publisher = None if message is None else self.node.create_publisher(message, name, qos)
-        topic = RosTopic(publisher, message, read, rate)
+        if message is None:
+            return RosTopic(None, None)
+        topic = RosTopic(self.node.create_publisher(message, name, qos), message)
         if read is not None:
-            self._read.append(topic)
+            self._read[rate].append((topic, read))
         if heard is not None:
             self.listen(name, type_, heard)
         return topic
@@ -109,11 +99,10 @@ class CellNode:
 
     def publish_state(self, rate: float) -> None:
         """Publish the topics of a rate (Hz) that have subscribers."""
-        for topic in self._read:
-            if topic.rate == rate and topic.is_needed and topic.read is not None:
-                message = topic.read()
-                if message is not None:
-                    self.publish(topic, message)
+        for topic, read in self._read[rate]:
+            is_needed = topic.publisher.get_subscription_count() > 0
+            if is_needed and (message := read()) is not None:
+                self.publish(topic, message)
 
     def listen(self, name: str, type_: str, heard: Heard) -> Any:
         """Add a topic on which clients publish, and return the subscription, or None.

@@ -76,10 +76,15 @@ class People:
     def _agents(self) -> Values:
         agents = [
             {
-                **{"id": number, "type": PERSON, "name": person.name, "radius": person.radius},
-                **{"position": pose_message(pose), "yaw": pose.heading},
-                **{"velocity": twist_message(velocity), "angular_vel": velocity.turn},
+                "id": number,
+                "type": PERSON,
+                "name": person.name,
+                "radius": person.radius,
+                "position": pose_message(pose),
+                "yaw": pose.heading,
+                "velocity": twist_message(velocity),
                 "linear_vel": math.hypot(velocity.x, velocity.y),
+                "angular_vel": velocity.turn,
             }
             for person, number, pose, velocity in self._here()
         ]

@@ -18,10 +18,10 @@ from rclpy.validate_namespace import validate_namespace
 from floorplan import UserError
 
 from ..cell import Cell, Pace
-from ..cell.names import plain, prefix_of
 from ..cell.signals import POSES
 from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.topics import ENDED, STARTED
+from ..competition.transport import plain, prefix_of
 from ..simulation import Simulation
 from .actions import Action
 from .control import Control
@@ -44,6 +44,8 @@ LONGEST_WAIT = 0.1
 
 LAST_WAIT = 0.5
 """Seconds at the end of the run in which the results of goals are sent."""
+
+TRIGGER, STARTED_ALREADY = "std_srvs/Trigger", {"success": True, "message": "started already"}
 
 LAST_DOMAIN = 232
 """Highest domain of which DDS can calculate the ports. It ends the process for higher ones."""
@@ -132,8 +134,8 @@ class _RosServer:
         self._enter: Callable[[int], None] = lambda phase: None
         if simulation.gantry is not None:
             self._enter = CompetitionTopics(cell, ros).enter
-            ros.provide("/ariac/start_competition", "std_srvs/Trigger", self._answer_start)
-            ros.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
+            ros.provide("/ariac/start_competition", TRIGGER, lambda *_: STARTED_ALREADY)
+            ros.provide("/ariac/end_competition", TRIGGER, self._end)
             add_gantry(cell, ros, root="")
             self._actions.append(gantry_action(ros, cell, simulation.gantry.name))
         bodies = [f"people/{person.name}" for person in simulation.people]
@@ -182,9 +184,6 @@ class _RosServer:
         while time.monotonic() < last:
             self._executor.spin_once(timeout_sec=LONGEST_WAIT)
         pace.check()
-
-    def _answer_start(self, _: Any, __: Values) -> Values:
-        return {"success": True, "message": "it has been started already"}
 
     def _end(self, _: Any, __: Values) -> Values:
         self._pace.end()

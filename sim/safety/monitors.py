@@ -85,12 +85,6 @@ class Pair:
         end = last if last > begin else begin
         return search(condition, *self.motions, begin, end, self.shapes).change()
 
-    def next_interval(self, condition: Condition) -> tuple[float, float] | None:
-        """Return the first interval from now on in which `condition` holds, if any."""
-        changes = search(condition, *self.motions, self.clock.now, self.horizon(), self.shapes)
-        since, until = changes.change(), changes.change()
-        return None if since is None or until is None else (since, until)
-
     def distance(self) -> float:
         """Return the distance between the two now (metres)."""
         now = self.clock.now
@@ -189,28 +183,15 @@ class SeparationMonitor:
         self._violated = violated
         self._since: float | None = None
         self._notified_at = -math.inf
-        self._condition = condition
         # Stationary vehicles never violate.
-        self._driven = pair.machine.shape.category == "vehicle"
-        self.row = pair.row(condition, driven=self._driven)
+        self.row = pair.row(condition, driven=pair.machine.shape.category == "vehicle")
         self.alarm = Alarm(pair.clock, self._ring, Turn.VIOLATION)
         self.reconsider()
 
     def reconsider(self) -> None:
         """Recompute the next begin or end of a violation after a change of motion."""
-        now = self.pair.clock.now
-        self.row.search(*self.pair.motions, now)
-        if self._since is None:
-            self.alarm.set(self.row.time)
-            return
-        idle = self._driven and self.pair.machine.body.motion.end <= now
-        coming = None if idle else self.pair.next_interval(self._condition)
-        # The present interval begins now, within the resolution. A later one counts separately.
-        if coming is None or coming[0] > now + 10 * RESOLUTION:
-            self.alarm.set(now)
-        else:
-            # An interval that lasts to the horizon lasts until a motion changes.
-            self.alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
+        self.row.search(*self.pair.motions, self.pair.clock.now)
+        self.alarm.set(self.row.time)
 
     def required_before(self, t: float, person: Motion, machine: Motion) -> float:
         """Return the distance (m) that the law required of these tracks just before `t` (s)."""
@@ -248,12 +229,12 @@ class SeparationMonitor:
         if self._since is not None:
             self.intervals.append((self._since, self.pair.clock.now))
             self._since = None
-            self.row.asks = self.row.lasts = False
+            self.row.holds = False
 
     def _ring(self) -> None:
         if self._since is None:
             self._since = self.pair.clock.now
-            self.row.asks = self.row.lasts = True
+            self.row.holds = True
             self._notify()
         else:
             self.close()

@@ -68,7 +68,7 @@ class NearnessMonitor:
     def _ring(self) -> None:
         self._is_near = not self._is_near
         if self._row is not None:
-            self._row.asks = self._row.lasts = self._is_near
+            self._row.asks = self._is_near
         self.reconsider()
         self._notify(self._is_near)
 

@@ -31,7 +31,7 @@ from ..people.tracks.recorded_walks import bodies_of
 from .checks import faults, keep_sound
 from .feasibility import people_fault
 from .field_checks import field_slips
-from .keys import DerivedKeys, PersonKeys, TrialKeys, begins_in, commanded
+from .keys import DerivedKeys, PersonKeys, TrialKeys, commanded, read_keys
 from .reachability import unreachable_stations
 from .rules_file import build_rules
 from .writing import out_of_reach
@@ -165,7 +165,7 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
         return replace(reading.build(form, document, code.path), own_code=code.allowed)
     if other := _something_else(document):
         raise TrialError(document.file, [Problem(f"is {other}")])
-    schema = document.checked(TrialKeys, TrialError, {"begins": begins_in(document.data)})
+    schema = read_keys(document)
     _refuse_crowds(schema, document)
     folder = code.path / schema.folder
     name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name

@@ -1,10 +1,12 @@
 """Keys of a trial file."""
 
 from dataclasses import fields, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from pydantic import (
+    BaseModel,
     BeforeValidator,
     Discriminator,
     Tag,
@@ -16,7 +18,7 @@ from typing_extensions import Self
 
 from floorplan import UserError
 from floorplan.files.dataclass import dataclass
-from floorplan.files.documents import read_yaml
+from floorplan.files.documents import Document, read_yaml
 from floorplan.files.fields import Flag, Number, whole
 from floorplan.files.forms import Written, called, fields_of
 from floorplan.files.models import Strictly
@@ -143,7 +145,7 @@ def _name_or_keys(value: Any) -> Any:
     return value
 
 
-def begins_in(data: Any) -> float:
+def _begins_in(data: Any) -> float:
     """Return the time of day (s) at which the trial in a file begins, or 0 if it is invalid."""
     try:
         return time_of_day(data["begins"])
@@ -178,3 +180,23 @@ _ALIKE: dict[str, Any] = {
 }
 TrialKeys = create_model("TrialKeys", __base__=DerivedKeys, **_ALIKE)
 """All keys of a trial."""
+
+
+@lru_cache(maxsize=64)
+def _part(keys: frozenset[str]) -> type[BaseModel]:
+    """Return a model of some keys of a trial, because most of the schema is for other keys."""
+    fields: dict[str, Any] = {
+        name: (field.annotation, field)
+        for name, field in TrialKeys.model_fields.items()
+        if name in keys or field.is_required()
+    }
+    return create_model("TrialKeys", __base__=Strictly, **fields)
+
+
+def read_keys(document: Document) -> DerivedKeys:
+    """Return the keys of a trial. `TrialError` lists the problems of the document."""
+    data = document.data
+    keys = data.keys() if isinstance(data, dict) else ()
+    part = _part(frozenset(TrialKeys.model_fields.keys() & keys))
+    read = document.checked_by(part, TrialKeys, TrialError, {"begins": _begins_in(data)})
+    return TrialKeys.model_construct(read.model_fields_set, **dict(read))

@@ -112,20 +112,7 @@ def test_reference_traces_are_reproduced():
         assert replay(trace) == (trace["actions"], trace["prints"]), path.name
 
 
-COMMAND = "import typer; from sim.commands.agent import agent; typer.run(agent)"
-
-
-def command(*arguments):
-    return subprocess.run(
-        [sys.executable, "-c", COMMAND, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=Path(__file__).parents[2],
-    )
-
-
-def test_the_command_replays_a_trace(tmp_path):
+def test_the_command_replays_a_trace(floorwalker, tmp_path):
     for name in ("helpful_flip", "antagonistic_detect_arrive_resume"):
         trace = json.loads((REFERENCE / "traces" / f"{name}.json").read_text(encoding="utf-8"))
         script = tmp_path / "script.jsonl"
@@ -134,8 +121,8 @@ def test_the_command_replays_a_trace(tmp_path):
             how = "add" if "add" in change else "remove"
             lines.append(json.dumps({"t": change["t_ms"] / 1000, how: change[how]}))
         script.write_text("\n".join(lines), encoding="utf-8")
-        done = command(
-            REFERENCE / "operator" / trace["program"],
+        done = floorwalker(
+            *("agent", REFERENCE / "operator" / trace["program"]),
             *("--belief", trace["belief"], "--percepts", script),
             *("--until", trace["end_ms"] / 1000),
         )
@@ -149,8 +136,8 @@ def test_the_command_replays_a_trace(tmp_path):
         assert [entry for entry in written if "print" in entry] == printed
 
 
-def test_the_command_runs_until_the_agent_is_idle():
-    done = command(PROGRAMS[0])
+def test_the_command_runs_until_the_agent_is_idle(floorwalker):
+    done = floorwalker("agent", PROGRAMS[0])
     expected = PROGRAMS[0].with_suffix(".out").read_text(encoding="utf-8").splitlines()
     assert [json.loads(line)["print"] for line in done.stdout.splitlines()] == expected
 
@@ -158,15 +145,17 @@ def test_the_command_runs_until_the_agent_is_idle():
 def test_the_command_warns_of_actions_that_do_not_exist(tmp_path):
     program = tmp_path / "one.asl"
     program.write_text("!go.\n+!go <- .nosuch(1).\n-!go[error(E)] <- .print(E).", "utf-8")
-    done = command(program)
+    # In this process, pytest would take the warning.
+    command = [sys.executable, "-m", "floorwalker", "agent", program]
+    done = subprocess.run(command, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, '{"t": 0.0, "print": "action_failed"}\n')
     assert f"{program}:2:9: there is no internal action .nosuch" in done.stderr
 
 
-def test_a_trace_of_the_inside_goes_to_stderr(tmp_path):
+def test_a_trace_of_the_inside_goes_to_stderr(floorwalker, tmp_path):
     program = tmp_path / "one.asl"
     program.write_text("!start. +!start <- step; .wait(1500); .print(later).", encoding="utf-8")
-    done = command(program, "--trace")
+    done = floorwalker("agent", program, "--trace")
     assert '{"t": 0.0, "action": "step"}' in done.stdout
     assert re.search(r"1\.500 +print +later", done.stderr)
     assert "one.asl:1" in done.stderr

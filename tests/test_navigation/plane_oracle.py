@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -24,15 +25,15 @@ def solid(world):
 
     Discs are drawn from inside, with 32 corners.
     """
-    frame = shapely.box(*world.plan.boundary.bounds).buffer(5.0, join_style="mitre")
-    return frame.difference(world.plan.boundary).union(
-        shapely.union_all(
-            [
-                *(o.footprint for o in world.plan.obstacles if o.overlaps(world.bottom, world.top)),
-                *(_shape(body.shape) for body in world.bodies),
-            ]
-        )
-    )
+    fixed = (o.footprint for o in world.plan.obstacles if o.overlaps(world.bottom, world.top))
+    bodies = (_shape(body.shape) for body in world.bodies)
+    return _solid(world.plan.boundary, (*fixed, *bodies))
+
+
+@lru_cache(maxsize=4)
+def _solid(boundary, shapes):
+    frame = shapely.box(*boundary.bounds).buffer(5.0, join_style="mitre")
+    return frame.difference(boundary).union(shapely.union_all(shapes))
 
 
 def _shape(shape):

@@ -58,7 +58,7 @@ def test_a_move_arrives_if_the_machine_is_held_and_released_at_one_time(times):
     assert vehicle.body.motion.end == arrived[0]
 
 
-@pytest.mark.parametrize(("count", "shift"), [(2, 8.0), (20, 8.0), (20, 6.0)])
+@pytest.mark.parametrize(("count", "shift"), [(2, 8.0), (10, 8.0), (20, 6.0)])
 def test_vehicles_that_external_code_moves_among_each_other_all_arrive(count, shift):
     """Vehicles wait for each other, and for goals that others still occupy."""
     places = [(3.0 + 5 * (k % 10), 4.0 + 8 * (k // 10), 0.0) for k in range(count)]

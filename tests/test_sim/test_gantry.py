@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from processes import in_a_process
 from run_events import events
 
 import navigation
@@ -204,10 +203,10 @@ def test_a_controller_that_fails_is_named_with_its_line(controller, text, messag
     assert f"{name}:go" in str(caught.value)
 
 
-def test_the_command_retains_the_recording_of_a_failed_run(controller):
+def test_the_command_retains_the_recording_of_a_failed_run(controller, floorwalker):
     name, folder = controller("def go(gantry):\n    yield gantry.wait(30)\n    1 / 0\n")
     (folder / "t.yaml").write_text(ALONE.format(controller=f"{name}:go", repeat="false"))
-    done = in_a_process("run", "t.yaml", "--out", "out", cwd=folder)
+    done = floorwalker("run", "t.yaml", "--out", "out", cwd=folder)
     assert done.returncode == 1
     assert "line 3): ZeroDivisionError: division by zero" in done.stderr
     assert "Traceback" not in done.stderr

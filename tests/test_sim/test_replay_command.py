@@ -3,7 +3,6 @@
 import shutil
 
 import pytest
-from processes import in_a_process
 from replay_sample import recordings_in, render, replay_data
 
 import sim
@@ -25,8 +24,8 @@ def folder(tmp_path_factory):
     return folder
 
 
-def test_the_page_of_a_run_is_named(folder):
-    done = in_a_process("replay", "whole", "--no-open", cwd=folder)
+def test_the_page_of_a_run_is_named(folder, floorwalker):
+    done = floorwalker("replay", "whole", "--no-open", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "whole/replay.html\n"
 

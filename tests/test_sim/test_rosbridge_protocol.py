@@ -30,7 +30,9 @@ from sim.bridge.protocol import (
     decode,
     fragments,
 )
-from sim.cell.trajectories import (
+from sim.competition.machine_topics import trajectory_of
+from sim.competition.messages import joint_state, order_message
+from sim.machines.gantry.trajectories import (
     JOINTS,
     TrajectoryError,
     joint_values,
@@ -38,8 +40,6 @@ from sim.cell.trajectories import (
     pose_of,
     target_in,
 )
-from sim.competition.machine_topics import trajectory_of
-from sim.competition.messages import joint_state, order_message
 from sim.orders.workload import AssemblyTask, CombinedTask, KittingTask, Order, PartType
 
 JSON = st.recursive(

@@ -116,14 +116,8 @@ class Others(Sequence[Traveller]):
             return [people[k] for k in self.near[index]]
         return people[self.near[index]]
 
-    def without(self, some: Container[Traveller]) -> Others:
-        """Return these people without some of them."""
-        people = self.table.people
-        near = [k for k in self.near if people[k] not in some]
-        return Others(self.table, self._me, near, self._now)
-
     def of(self, some: Container[Traveller]) -> Others:
-        """Return those of these people who are among some."""
+        """Return the people of this sequence who are among `some`."""
         people = self.table.people
         return Others(self.table, self._me, [k for k in self.near if people[k] in some], self._now)
 
@@ -132,12 +126,9 @@ class Others(Sequence[Traveller]):
 
         Two bodies keep the gap. Bodies that are closer already must not come closer.
         """
-        index, t = self._first_met(ahead)
+        index, t = self.table.first_met(self.near, ahead, self._own, self._now)
         return None if index < 0 else self.table.hit(index, t)
 
     def free(self, ahead: Swath) -> bool:
         """Return whether a motion of the person from now on has no conflict."""
-        return self._first_met(ahead)[0] < 0
-
-    def _first_met(self, ahead: Swath) -> tuple[int, float]:
-        return self.table.first_met(self.near, ahead, self._own, self._now)
+        return self.table.free(self.near, ahead, self._own, self._now)

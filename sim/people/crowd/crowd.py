@@ -416,7 +416,8 @@ class Crowd:
         """Record an encounter of two people, once each time that they meet."""
         if hit.other.is_vehicle:
             return
-        pair = (min(me.index, hit.other.index), max(me.index, hit.other.index))
+        one, other = me.index, hit.other.index
+        pair = (one, other) if one < other else (other, one)
         if now - self._met.get(pair, -math.inf) > 2 * me.manners.foresight:
             self._stage.record(Met(person=me.name, other=hit.other.name))
         self._met[pair] = now

@@ -167,12 +167,18 @@ def rest(course: Sequence[Point], length: float) -> list[Point]:
 
 def corners_passed(course: Sequence[Point], place: Point) -> int:
     """Return the number of corners of a polyline before the point nearest to `place`."""
-    if len(course) < 3:
-        return 0
-    gone, passed = nearest_length(course, place), 0
-    for a, b in itertools.pairwise(course[:-1]):
-        gone -= math.dist(a, b)
-        passed += gone > 1e-9
+    best, passed = math.inf, 0
+    x, y = place
+    for k, ((ax, ay), (bx, by)) in enumerate(itertools.pairwise(course)):
+        dx, dy = bx - ax, by - ay
+        square = dx * dx + dy * dy
+        if square < 1e-18:
+            continue
+        share = min(max(((x - ax) * dx + (y - ay) * dy) / square, 0.0), 1.0)
+        off_x, off_y = ax + share * dx - x, ay + share * dy - y
+        away = off_x * off_x + off_y * off_y
+        if away < best:
+            best, passed = away, k if share * share * square > 1e-18 else max(k - 1, 0)
     return passed
 
 

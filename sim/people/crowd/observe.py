@@ -94,6 +94,7 @@ class Outlook:
         self.me = me
         self.now = now
         self.ground = ground
+        self._legs = ground.legs
         self._commitments = commitments
         self._state = me.body.motion.state(now)
         self._others: Others | None = None
@@ -144,7 +145,7 @@ class Outlook:
             ),
             ground.narrow.cells,
             ground.narrow_outside.cells,
-            ground.legs,
+            self._legs,
             GIVEN,
         )
         self.whole = self.walks.course.length
@@ -236,12 +237,12 @@ class Outlook:
         self._free = (draft, self.others)
         return self.made(draft)
 
-    def aside(self, along: float, side: float, others: Others) -> Swath | None:
+    def aside(self, along: float, side: float, other: int) -> Swath | None:
         """Return the draft of a walk `side` metres to the left after `along` metres of the course.
 
-        None if it is not free of walls and of these `others`.
+        None if it is not free of walls and of all people near except the one in row `other`.
         """
-        return self._foresight.aside(along, side, others.near)
+        return self._foresight.aside(along, side, other)
 
     def made(self, draft: Swath) -> Motion:
         """Return the motion of a draft."""
@@ -310,11 +311,11 @@ class Outlook:
             width = 2 * me.radius + GAP
             places = middles(self.standing(width, at, *route))
             # A person must not return to a passed bend because of a person beyond it.
-            k = self.ground.legs.farthest_round(*at, route, places, width)
+            k = self._legs.farthest_round(*at, route, places, width)
             if k >= 0:
                 return route[k:]
             me.goes_round = False
-        k = self.ground.legs.farthest(*at, route)
+        k = self._legs.farthest(*at, route)
         return me.reroute(at) if k < 0 else route[k:]
 
     def send_by(self, route: list[Point]) -> None:

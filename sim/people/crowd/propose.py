@@ -62,7 +62,8 @@ def both_aside(
     there is room on this side. Neither draft meets other people.
     """
     theirs: Outlook | None = None
-    our_others = mine.others.without([hit.other])
+    indices = mine.others.table.indices
+    my_row, other_row = indices[me], indices[hit.other]
     gone = mine.gone(hit.t)
     x, y, c, s = mine.walks.course.after(gone)
     px, py = hit.other.body.motion.state(hit.t).at
@@ -78,15 +79,15 @@ def both_aside(
             if width <= 0.0:
                 continue
             for share in (0.5, 0.7, 0.3):
-                ours = mine.aside(max(gone + ahead / 2, 0.1), way * share * width, our_others)
+                ours = mine.aside(max(gone + ahead / 2, 0.1), way * share * width, other_row)
                 if ours is None:
                     continue
                 if theirs is None:
                     theirs = look()
                     if theirs.wished is None:
                         return
-                    their_others = theirs.others.without([me])
+                    theirs.look_again()
                     passed = nearest_length(theirs.course, (x, y))
-                yours = theirs.aside(max(passed, 0.1), way * (1 - share) * width, their_others)
+                yours = theirs.aside(max(passed, 0.1), way * (1 - share) * width, my_row)
                 if yours is not None:
                     yield ours, yours, theirs

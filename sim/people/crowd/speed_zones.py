@@ -29,6 +29,8 @@ class SpeedZones:
 
         The speed is a single `top_speed` (m/s) if the course is clear of all zones.
         """
+        if not self._zones:
+            return [*course], top_speed
         points, speeds = [course[0]], []
         for a, b in pairwise(course):
             for until, speed in self._parts(a, b, top_speed):

@@ -18,7 +18,7 @@ from floorplan.files.dataclass import dataclass
 from navigation import Motion, Piece
 from navigation.motion import Cubic, State, value
 
-from ..machines.gantry.robot import GantryRobot
+from .robot import GantryRobot
 
 JOINTS = ("gantry_x_axis_joint", "gantry_y_axis_joint", "gantry_rotation_joint")
 """Joints of the ceiling robot of ARIAC 2023 that the gantry has."""
