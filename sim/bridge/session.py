@@ -8,7 +8,6 @@ import socket
 from collections.abc import Callable
 from typing import Any
 
-from ..cell import Pace
 from ..cell.admission import Notices
 from ..competition import RefusedError
 from ..competition.machine_topics import TRAJECTORY
@@ -104,17 +103,15 @@ class Session:
         self._said = ""
         self._changed = asyncio.Event()
         exchange.changed = self._changed.set
-        self._pace = pace = Pace(
-            workcell.simulation, speed=speed or 1.0, step=not speed, now=_real_time
-        )
+        self._pace = pace = workcell.cell.pace
+        if speed:
+            pace.keep_time(speed, _real_time)
         pace.changed = self._changed.set
         pace.held = "it has not begun"
-        workcell.follow(pace)
         workcell.cell.admission.catch_up = self._catch_up
         # At speed 0 nothing is lost, because time waits until the agent has read all messages.
         workcell.repeats = speed > 0
         exchange.provide("/ariac/start_competition", "std_srvs/Trigger", self._start)
-        exchange.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
         exchange.provide(
             "/floorwalker/advance", "floorwalker_msgs/Advance", self._advance, {"until": "float64"}
         )
@@ -317,12 +314,6 @@ class Session:
         self._grace = 0.0
         self._changed.set()
         return {"success": True, "message": "started" if began else "it has been started already"}
-
-    def _end(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
-        self._workcell.cell.admission.admit("/ariac/end_competition", None)
-        self._pace.end()
-        self._changed.set()
-        return {"success": True, "message": f"ended at t = {self._workcell.now:g} s"}
 
     async def _advance(self, client: Client, request: dict[str, Any]) -> dict[str, Any]:
         """Advance to the next decision of a person outside, or to `until`.

@@ -225,12 +225,16 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 def _overlaps(trial: Scenario) -> Iterator[Fault]:
     """Yield the starts of people that overlap with another person."""
     usual = trial.floorplan.human.radius
-    placed: list[tuple[PersonEntry, Point]] = []
+    width = 2 * max((person.radius or usual for person in trial.people), default=usual)
+    placed: dict[Point, list[tuple[int, PersonEntry, Point]]] = {}
     for k, person in enumerate(trial.people):
         place = person.place_on(trial.floorplan)
         if place is None:
             continue
-        for other, there in placed:
+        # Only people in neighbouring cells of this width can overlap.
+        i, j = place[0] // width, place[1] // width
+        cells = [(i + di, j + dj) for di in (-1, 0, 1) for dj in (-1, 0, 1)]
+        for _, other, there in sorted(one for cell in cells for one in placed.get(cell, ())):
             needed = (person.radius or usual) + (other.radius or usual)
             apart = math.dist(place, there)
             if apart < needed:
@@ -242,7 +246,7 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
                     message += "; omit at, or give anywhere, for a free position"
                 yield message, ("people", k, "at")
                 break
-        placed.append((person, place))
+        placed.setdefault((i, j), []).append((k, person, place))
 
 
 def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
