@@ -225,24 +225,28 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 def _overlaps(trial: Scenario) -> Iterator[Fault]:
     """Yield the starts of people that overlap with another person."""
     usual = trial.floorplan.human.radius
-    placed: list[tuple[PersonEntry, Point]] = []
-    for k, person in enumerate(trial.people):
-        place = person.place_on(trial.floorplan)
-        if place is None:
-            continue
-        for other, there in placed:
-            needed = (person.radius or usual) + (other.radius or usual)
-            apart = math.dist(place, there)
-            if apart < needed:
-                message = (
-                    f"{place} is {apart:.3g} m from where {other.name} starts; two bodies of"
-                    f" their size need {needed:g} m between their centres"
-                )
-                if place == there:
-                    message += "; omit at, or give anywhere, for a free position"
-                yield message, ("people", k, "at")
-                break
-        placed.append((person, place))
+    placed = [
+        (k, one, at) for k, one in enumerate(trial.people) if (at := one.place_on(trial.floorplan))
+    ]
+    if len(placed) < 2:
+        return
+    radii = [person.radius or usual for _, person, _ in placed]
+    places = shapely.points([place for _, _, place in placed])
+    reach = 2 * max(radii) + 1e-6
+    pairs = shapely.STRtree(places).query(places, predicate="dwithin", distance=reach)
+    overlapping = set()
+    for one, other in sorted(zip(*pairs.tolist(), strict=True)):
+        (k, _, place), (_, person, there) = placed[one], placed[other]
+        needed, apart = radii[one] + radii[other], math.dist(place, there)
+        if other < one and apart < needed and one not in overlapping:
+            overlapping.add(one)
+            message = (
+                f"{place} is {apart:.3g} m from where {person.name} starts; two bodies of"
+                f" their size need {needed:g} m between their centres"
+            )
+            if place == there:
+                message += "; omit at, or give anywhere, for a free position"
+            yield message, ("people", k, "at")
 
 
 def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
