@@ -168,9 +168,8 @@ class _FieldMaker:
         for share, bend in itertools.product(_SHARES, _SHARES):
             drive = limits, angle, share * speed, bend * turn, self.response_time
             x, y, rotation = on_arc(*drive)
-            c, s = np.cos(rotation), np.sin(rotation)
-            turned = corners @ np.array([[c, s], [-s, c]]).transpose(2, 0, 1)
-            points.append((turned + np.column_stack([x, y])[:, None]).reshape(-1, 2))
+            places = _rotated(corners, rotation) + np.column_stack([x, y])[:, None]
+            points.append(places.reshape(-1, 2))
         return points
 
 
@@ -183,26 +182,28 @@ def _turned(corners: Array, spin: float) -> Array:
     count = max(1, math.ceil(spin / STEP))
     # The chord between two rotations is closer to the centre than the arc by this share.
     share = 1 / math.cos(spin / count / 2)
-    turns = [_rotated(share * corners, spin * k / count) for k in range(-count, count + 1)]
-    return np.concatenate([corners, *turns])
+    turns = _rotated(share * corners, spin * np.arange(-count, count + 1) / count)
+    return np.concatenate([corners, turns.reshape(-1, 2)])
 
 
 def _driven(corners: Array, angle: float, length: float, spin: float) -> Array:
     """Return the corners at the end of a drive, straight or on possible arcs: (N, 2)."""
-    ahead = length * np.array([math.cos(angle), math.sin(angle)])
-    places = [corners + ahead]
-    for turn, share in itertools.product(_TURNS if spin else (), _SHARES):
-        bent, radius = spin * turn * share, 1 / (spin * turn)
-        on_arc = np.array([radius * math.sin(bent), radius * (1 - math.cos(bent))])
-        x, y = ahead
-        shift = np.array([x * on_arc[0] - y * on_arc[1], y * on_arc[0] + x * on_arc[1]])
-        places.append(_rotated(corners, bent) + shift)
-    return np.concatenate(places)
+    x, y = length * math.cos(angle), length * math.sin(angle)
+    places: Array = corners + np.array([x, y])
+    if not spin:
+        return places
+    turns, shares = spin * np.repeat(_TURNS, len(_SHARES)), np.tile(_SHARES, len(_TURNS))
+    bends = turns * shares
+    along, across = np.sin(bends) / turns, (1 - np.cos(bends)) / turns
+    shifts = np.column_stack([x * along - y * across, y * along + x * across])
+    on_arcs = _rotated(corners, bends) + shifts[:, None]
+    return np.concatenate([places, on_arcs.reshape(-1, 2)])
 
 
-def _rotated(points: Array, angle: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]))
+def _rotated(points: Array, angles: Array | float) -> Array:
+    """Return points (N, 2) rotated by each angle (rad): (..., N, 2)."""
+    c, s = np.cos(angles), np.sin(angles)
+    return np.asarray(points @ np.moveaxis(np.array([[c, s], [-s, c]]), (0, 1), (-2, -1)))
 
 
 def _octagon(points: Array, margin: float) -> Corners:

@@ -385,6 +385,8 @@ def swept_straight(footprint: Polygon, angle: float, distance: float) -> Polygon
     """Return the swept area of a footprint over `distance` (m) in a direction."""
     dx, dy = distance * math.cos(angle), distance * math.sin(angle)
     parts = [footprint, affinity.translate(footprint, dx, dy)]
+    if footprint.convex_hull.equals(footprint):
+        return shapely.multipolygons(parts).convex_hull
     for (ax, ay), (bx, by) in itertools.pairwise(footprint.exterior.coords):
         edge = Polygon([(ax, ay), (bx, by), (bx + dx, by + dy), (ax + dx, ay + dy)])
         parts.append(edge.convex_hull)

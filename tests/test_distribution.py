@@ -27,7 +27,7 @@ FILES = (
     "noxfile.py",
     "setup.py",
 )
-REBUILT = {".git", "build", "dist", "site", "runs"}
+REBUILT = {".git", ".venv", ".mypy_cache", ".pytest_cache", "build", "dist", "site", "runs"}
 
 pytestmark = [
     pytest.mark.slow,

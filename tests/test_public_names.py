@@ -9,6 +9,7 @@ import inspect
 import pickle
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import get_origin, get_type_hints
 
@@ -78,8 +79,9 @@ def test_functions_document_each_parameter():
     assert unnamed == []
 
 
+@cache
 def documented_members(package):
-    """Yield the public functions and methods of a package, as its API page finds them."""
+    """Return the public functions and methods of a package, as its API page finds them."""
     dataclasses_extension = str(ROOT / "docs/griffe_dataclasses.py")
     extensions = griffe.load_extensions("griffe_inherited_docstrings", dataclasses_extension)
     module = importlib.import_module(package)
@@ -87,13 +89,15 @@ def documented_members(package):
     package_docs = griffe.load(
         package, search_paths=[folder], docstring_parser="numpy", extensions=extensions
     )
+    functions = []
     for name in module.__all__:
         of = package_docs[name].final_target if package_docs[name].is_alias else package_docs[name]
         if of.is_function:
-            yield name, of
+            functions.append((name, of))
         elif of.is_class:
             members = ((key, of.all_members[key]) for key in of.all_members if key[0] != "_")
-            yield from ((f"{name}.{key}", one) for key, one in members if one.is_function)
+            functions += [(f"{name}.{key}", one) for key, one in members if one.is_function]
+    return functions
 
 
 def sections(of):

@@ -174,8 +174,10 @@ def _field_faults(value: Any) -> Iterator[_Misfit]:
     if SOUND in marks or _FIT in marks:
         return
     fit = True
-    for name, hint in _fields(value.__class__):
+    for name, hint, default in _fields(value.__class__):
         content = getattr(value, name)
+        if content is default:
+            continue
         if content.__class__ is not hint or _fields(hint):
             for fault in _faults(content, hint):
                 fit = False
@@ -195,10 +197,10 @@ def _never_changes(value: Any) -> bool:
 
 
 @cache
-def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
-    """Return the fields that a dataclass is compared by, with their types.
+def _fields(kind: type) -> tuple[tuple[str, Any, Any], ...]:
+    """Return the fields that a dataclass is compared by, with their types and valid defaults.
 
-    All are Any if one of them is imported for type checkers only.
+    All types are Any if one of them is imported for type checkers only.
     """
     if not dataclasses.is_dataclass(kind):
         return ()
@@ -212,7 +214,10 @@ def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
         if get_origin(hint) is NamedField:
             hint = types.GenericAlias(tuple, (*get_args(hint), ...))
         if field.compare:
-            compared.append((field.name, hint))
+            default = field.default
+            if default is not dataclasses.MISSING and any(_faults(default, hint)):
+                default = dataclasses.MISSING
+            compared.append((field.name, hint, default))
     return tuple(compared)
 
 

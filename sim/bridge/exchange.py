@@ -65,7 +65,6 @@ class Topic:
 class Service:
     """Service with the type of its requests, and the function that answers them."""
 
-    name: str
     type: MessageType
     answer: Serve
 
@@ -107,9 +106,8 @@ class Exchange:
         self, name: str, type_: str, answer: Serve, request: Mapping[str, str] | None = None
     ) -> None:
         """Add a service. `request` contains the types of its arguments by name."""
-        self.services[name] = Service(
-            name, MessageType(canonical(type_, "srv"), dict(request or {})), answer
-        )
+        type_ = canonical(type_, "srv")
+        self.services[name] = Service(MessageType(type_, dict(request or {})), answer)
 
     def publish(self, topic: Topic, message: Values) -> None:
         """Send a message of the simulation to every subscriber of its topic."""

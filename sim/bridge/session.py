@@ -8,7 +8,6 @@ import socket
 from collections.abc import Callable
 from typing import Any
 
-from ..cell import Pace
 from ..cell.admission import Notices
 from ..competition import RefusedError
 from ..competition.machine_topics import TRAJECTORY
@@ -104,17 +103,15 @@ class Session:
         self._said = ""
         self._changed = asyncio.Event()
         exchange.changed = self._changed.set
-        self._pace = pace = Pace(
-            workcell.simulation, speed=speed or 1.0, step=not speed, now=_real_time
-        )
+        self._pace = pace = workcell.cell.pace
+        if speed:
+            pace.keep_time(speed, _real_time)
         pace.changed = self._changed.set
         pace.held = "it has not begun"
-        workcell.follow(pace)
         workcell.cell.admission.catch_up = self._catch_up
         # At speed 0 nothing is lost, because time waits until the agent has read all messages.
         workcell.repeats = speed > 0
         exchange.provide("/ariac/start_competition", "std_srvs/Trigger", self._start)
-        exchange.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
         exchange.provide(
             "/floorwalker/advance", "floorwalker_msgs/Advance", self._advance, {"until": "float64"}
         )
@@ -195,7 +192,6 @@ class Session:
     async def _continue_run(self) -> None:
         if await self._is_held():
             return
-        self._begin()
         if self._pace.speed:
             await self._keep_pace()
         elif self._stepping is not None:
@@ -280,23 +276,21 @@ class Session:
         self._changed.set()
 
     async def _is_held(self) -> bool:
-        """Wait for a change if a client is missing. Return whether one is."""
-        missing = self._missing()
+        """Wait for a change if a client is missing, otherwise begin or continue the run.
+
+        Return whether one is missing.
+        """
+        missing, now = self._missing(), self._workcell.now
         if missing:
             self._pace.hold(missing)
-            self._say(f"stands still at t = {self._workcell.now:.1f} s: {missing}")
+            self._say(f"stands still at t = {now:.1f} s: {missing}")
             await self._change()
+        elif self._pace.release():
+            self._grace, self._agent_since = 0.0, None
+            if not now:
+                self._workcell.competition.enter(STARTED)
+            self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
         return bool(missing)
-
-    def _begin(self) -> None:
-        """Begin or continue the run."""
-        if not self._pace.release():
-            return
-        self._grace, self._agent_since = 0.0, None
-        now = self._workcell.now
-        if not now:
-            self._workcell.competition.enter(STARTED)
-        self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
 
     def _say(self, text: str) -> None:
         """Notify the user and all clients, once."""
@@ -317,12 +311,6 @@ class Session:
         self._grace = 0.0
         self._changed.set()
         return {"success": True, "message": "started" if began else "it has been started already"}
-
-    def _end(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
-        self._workcell.cell.admission.admit("/ariac/end_competition", None)
-        self._pace.end()
-        self._changed.set()
-        return {"success": True, "message": f"ended at t = {self._workcell.now:g} s"}
 
     async def _advance(self, client: Client, request: dict[str, Any]) -> dict[str, Any]:
         """Advance to the next decision of a person outside, or to `until`.
@@ -346,7 +334,6 @@ class Session:
             while not self._pace.over:
                 if await self._is_held():
                     continue
-                self._begin()
                 if pace.advance(pace.next_tick):
                     break
                 await self.server.flush(PATIENCE)

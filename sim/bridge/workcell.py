@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from floorplan import UserError
 
-from ..cell import Cell, Pace, Pose
+from ..cell import Cell, Pose
 from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.human_topics import COMMANDS, START
 from ..competition.messages import seconds, transform
@@ -84,16 +84,11 @@ class Workcell:
             self.agents[self.person.name] = heard | {START}, commanded | COMMANDS.keys()
         self._frames = self._named_frames()
         exchange.advertise("/tf", "tf2_msgs/TFMessage", self._transforms)
-        self.follow(cell.pace)
+        cell.pace.after.insert(0, self._publish_before_decision)
+        cell.pace.every(1 / RATE, self.publish)
         for event in simulation.events:
             cell.signals["events"].send(event)
         self.publish()
-
-    def follow(self, pace: Pace) -> None:
-        """Publish the state at the ticks of a pace, and before each decision."""
-        self.cell.follow(pace)
-        pace.after.insert(0, self._publish_before_decision)
-        pace.every(1 / RATE, self.publish)
 
     @property
     def now(self) -> float:

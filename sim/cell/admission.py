@@ -84,10 +84,6 @@ class Admission:
         self._notices = Notices(notice)
         self._counts: dict[str, tuple[int, int]] = {}
         self._sources: dict[str, tuple[str, float]] = {}
-        self.follow(pace)
-
-    def follow(self, pace: Pace) -> None:
-        """Admit values until the end of a pace."""
         self._pace = pace
         self.catch_up: Callable[[], None] = pace.catch_up
         """Brings simulated time up to date, so that a value takes effect when it arrives."""

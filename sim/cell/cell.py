@@ -65,9 +65,10 @@ class Cell:
         self._running: dict[str, Running] = {}
         """Task under way of each person and machine."""
         self._bind(simulation)
-        pace = pace or Pace(simulation, step=True)
-        self.admission = Admission(pace, notice)
-        self.follow(pace)
+        self.pace = pace or Pace(simulation, step=True)
+        self.pace.enough = lambda: self.has_decision
+        self.pace.after.append(self.update)
+        self.admission = Admission(self.pace, notice)
         self.commands = {name: CellCommand(name, self._carry_out) for name in self._commands}
         self.tasks = {name: CellTask(name, self._carry_out) for name in self._tasks}
         self._states = [one for name, one in self.signals.items() if name.endswith("/state")]
@@ -110,14 +111,6 @@ class Cell:
         self.pace.continue_with(simulation)
         self._events = 0
         self.update()
-
-    def follow(self, pace: Pace) -> None:
-        """Change the pace, which is then interrupted at each decision of an external person."""
-        self.pace = pace
-        self.admission.follow(pace)
-        pace.enough = lambda: self.has_decision
-        if self.update not in pace.after:
-            pace.after.append(self.update)
 
     @property
     def now(self) -> float:

@@ -57,7 +57,7 @@ class Pace:
     after : list of callable
         Functions that are called after each advance, before those of the ticks.
     changed : callable
-        Function that is called after each change of speed or pause.
+        Function that is called after each change of speed or pause, and after `end`.
     failure : Exception or None
         Exception that a custom program raised in the run, which ends it. See `check`.
     """
@@ -105,6 +105,7 @@ class Pace:
     def end(self) -> None:
         """End the run before its time."""
         self._ended = True
+        self.changed()
 
     def check(self) -> None:
         """Raise the exception with which the run has failed, if it has."""
@@ -133,6 +134,11 @@ class Pace:
         self._speed = speed
         self.paused = self.paused if paused is None else paused
         self.changed()
+
+    def keep_time(self, speed: float, now: Callable[[], float]) -> None:
+        """Follow real time from now on, at a speed and by a clock `now` (s)."""
+        self._speed, self._real_time = checked_speed(speed), now
+        self._at, self._since = self.now, None
 
     def hold(self, reason: str) -> bool:
         """Hold the run for a reason. Return whether it was not held."""

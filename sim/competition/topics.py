@@ -11,7 +11,7 @@ from ..trials.trial import Trial
 from .human_topics import HumanTopics
 from .machine_topics import add_agvs
 from .messages import human_state, order_message
-from .transport import Transport, Values
+from .transport import Caller, Transport, Values
 
 READY, STARTED, ANNOUNCED, ENDED = 1, 2, 3, 4
 """Phases of ariac_msgs/CompetitionState. ANNOUNCED: started, and all orders are announced."""
@@ -40,6 +40,7 @@ class CompetitionTopics:
             advertise("/ariac_human/state", "ariac_msgs/HumanState", self._read_state)
             self._human = HumanTopics(self._driven, cell, transport)
         add_agvs(cell, transport)
+        transport.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
         cell.signals["events"].watch(self._announce)
         self.enter(READY)
 
@@ -62,6 +63,11 @@ class CompetitionTopics:
     def enter(self, phase: int) -> None:
         """Publish that the competition enters a phase."""
         self._transport.publish(self._phase, {"competition_state": phase})
+
+    def _end(self, _: Caller, __: Values) -> Values:
+        self._cell.admission.admit("/ariac/end_competition", None)
+        self._cell.pace.end()
+        return {"success": True, "message": f"ended at t = {self._cell.now:g} s"}
 
     def _announce(self, event: Event) -> None:
         """Publish an order that is announced."""

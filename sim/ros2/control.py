@@ -14,15 +14,12 @@ from ..competition.transport import Answer
 from .messages import filled
 from .node import CellNode
 
-FEATURES = (2, 4, 5, 6, 7, 8, 10, 12, 24, 25, 26, 31, 32, 33, 43)
+FEATURES = [2, 4, 5, 6, 7, 8, 10, 12, 20, 24, 25, 26, 31, 32, 33, 43]
 """Numbers in SimulatorFeatures of what each trial supports.
 
 Named poses; tags, bounds of three types, categories, states and information of entities;
-reading, setting and pausing the state; one step, several and their action; the world.
+reset; reading, setting and pausing the state; one step, several and their action; the world.
 """
-
-RESET = 20
-"""Number of the feature SIMULATION_RESET."""
 
 STOPPED, PLAYING, PAUSED, QUITTING = range(4)
 """States of SimulationState."""
@@ -43,21 +40,20 @@ class Control:
     """Provider of the services that control time.
 
     `step()` advances by one step. It returns False if time is not stepped, or the run is over.
-    `reset()` begins the run again. It is None if that is not possible.
+    `reset()` begins the run again.
     """
 
     def __init__(
-        self, ros: CellNode, pace: Pace, step: Callable[[], bool], reset: Callable[[], None] | None
+        self, ros: CellNode, pace: Pace, step: Callable[[], bool], reset: Callable[[], None]
     ) -> None:
         self._ros = ros
         self._pace = pace
         self._step = step
         self._reset = reset
         self._is_stopped = False
-        features = [*FEATURES, *([RESET] if reset else [])]
         provide_all(
             ros,
-            GetSimulatorFeatures=lambda _, __: {"features": {"features": features}},
+            GetSimulatorFeatures=lambda _, __: {"features": {"features": FEATURES}},
             GetSimulationState=lambda _, __: done(state={"state": self._state}),
             SetSimulationState=self._set_state,
             StepSimulation=self._step_simulation,
@@ -82,7 +78,7 @@ class Control:
             return failed("it is in this state", ALREADY)
         if state == QUITTING:
             pace.end()
-        elif state == STOPPED and self._reset is not None:
+        elif state == STOPPED:
             self._reset()
         elif state != PAUSED and not (state == PLAYING and pace.speed):
             return failed("this simulation has no such state", UNSUPPORTED)
@@ -117,8 +113,6 @@ class Control:
         return filled(self._steps.Result(), result)
 
     def _reset_simulation(self, _: Any, request: Values) -> Values:
-        if self._reset is None:
-            return failed("sim.ros2.serve has no `restart`", UNSUPPORTED)
         if request["scope"] and request["scope"] & TIME_AND_STATE != TIME_AND_STATE:
             return failed("time and state are reset together", UNSUPPORTED)
         self._reset()

@@ -24,8 +24,7 @@ class People:
     """Publisher of all people on the floor, in each type that is installed.
 
     `advance(seconds)` advances the simulation for HuNavSim's service `compute_agents`. It
-    returns False if time is not stepped. `reset()` begins the run again. It is None if that is not
-    possible.
+    returns False if time is not stepped. `reset()` begins the run again.
     """
 
     def __init__(
@@ -33,7 +32,7 @@ class People:
         ros: CellNode,
         cell: Cell,
         advance: Callable[[float], bool],
-        reset: Callable[[], None] | None,
+        reset: Callable[[], None],
     ) -> None:
         self._ros = ros
         self._cell = cell
@@ -104,7 +103,6 @@ class People:
 
     def _reset(self, _: Any, __: Values) -> Values:
         """Begin the run again, with people at their first places."""
-        if self._begin_again is not None:
-            self._begin_again()
-            self._last_request = None
-        return {"ok": self._begin_again is not None}
+        self._begin_again()
+        self._last_request = None
+        return {"ok": True}

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from contextlib import redirect_stdout
 from functools import partial
 from io import StringIO
-from typing import Any
 
 import rclpy
 from rclpy.exceptions import NameValidationException
@@ -19,7 +18,7 @@ from floorplan import UserError
 
 from ..cell import Cell, Pace
 from ..cell.signals import POSES
-from ..competition import CompetitionTopics, Values, add_gantry
+from ..competition import CompetitionTopics, add_gantry
 from ..competition.topics import ENDED, STARTED
 from ..competition.transport import plain, prefix_of
 from ..simulation import Simulation
@@ -83,8 +82,8 @@ def serve(
     notice : callable, optional
         Function that gets lines for the user.
     restart : callable, optional
-        Function that finishes the simulation, and returns another one of the same trial, which
-        is served from then on. Services that reset the simulation need it.
+        Function that services call which reset the simulation. It returns another one of the
+        same trial, which is served from then on. By default that one is not recorded.
 
     Raises
     ------
@@ -102,7 +101,8 @@ def serve(
     except (RuntimeError, ValueError, NameValidationException) as why:
         raise RosError(f"ROS cannot start the node: {' '.join(str(why).split())}") from why
     try:
-        _RosServer(node, simulation, pace, notice, restart).run()
+        begin_again = restart or partial(Simulation, simulation.trial)
+        _RosServer(node, simulation, pace, notice, begin_again).run()
     finally:
         rclpy.shutdown(context=context)
 
@@ -116,7 +116,7 @@ class _RosServer:
         simulation: Simulation,
         pace: Pace,
         notice: Callable[[str], None],
-        restart: Callable[[], Simulation] | None,
+        restart: Callable[[], Simulation],
     ) -> None:
         self._restart = restart
         self._pace = pace
@@ -135,16 +135,14 @@ class _RosServer:
         if simulation.gantry is not None:
             self._enter = CompetitionTopics(cell, ros).enter
             ros.provide("/ariac/start_competition", TRIGGER, lambda *_: STARTED_ALREADY)
-            ros.provide("/ariac/end_competition", TRIGGER, self._end)
             add_gantry(cell, ros, root="")
             self._actions.append(gantry_action(ros, cell, simulation.gantry.name))
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name in vehicles]
         for body in bodies:
             self._actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
-        reset = self._reset if restart is not None else None
-        People(ros, cell, self._advance_by, reset)
-        Control(ros, pace, partial(self._advance_by, 1 / POSES), reset)
+        People(ros, cell, self._advance_by, self._reset)
+        Control(ros, pace, partial(self._advance_by, 1 / POSES), self._reset)
         Entities(ros, cell)
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
@@ -185,10 +183,6 @@ class _RosServer:
             self._executor.spin_once(timeout_sec=LONGEST_WAIT)
         pace.check()
 
-    def _end(self, _: Any, __: Values) -> Values:
-        self._pace.end()
-        return {"success": True, "message": f"ended at t = {self._cell.now:g} s"}
-
     def _publish_feedback(self) -> None:
         for action in self._actions:
             action.publish()
@@ -202,7 +196,6 @@ class _RosServer:
 
     def _reset(self) -> None:
         """Begin the run again, with another simulation."""
-        assert self._restart is not None
         at = self._cell.now
         self._enter(STARTED)
         self._cell.continue_with(self._restart())

@@ -225,28 +225,28 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 def _overlaps(trial: Scenario) -> Iterator[Fault]:
     """Yield the starts of people that overlap with another person."""
     usual = trial.floorplan.human.radius
-    placed = [
-        (k, one, at) for k, one in enumerate(trial.people) if (at := one.place_on(trial.floorplan))
-    ]
-    if len(placed) < 2:
-        return
-    radii = [person.radius or usual for _, person, _ in placed]
-    places = shapely.points([place for _, _, place in placed])
-    reach = 2 * max(radii) + 1e-6
-    pairs = shapely.STRtree(places).query(places, predicate="dwithin", distance=reach)
-    overlapping = set()
-    for one, other in sorted(zip(*pairs.tolist(), strict=True)):
-        (k, _, place), (_, person, there) = placed[one], placed[other]
-        needed, apart = radii[one] + radii[other], math.dist(place, there)
-        if other < one and apart < needed and one not in overlapping:
-            overlapping.add(one)
-            message = (
-                f"{place} is {apart:.3g} m from where {person.name} starts; two bodies of"
-                f" their size need {needed:g} m between their centres"
-            )
-            if place == there:
-                message += "; omit at, or give anywhere, for a free position"
-            yield message, ("people", k, "at")
+    width = 2 * max((person.radius or usual for person in trial.people), default=usual)
+    placed: dict[Point, list[tuple[int, PersonEntry, Point]]] = {}
+    for k, person in enumerate(trial.people):
+        place = person.place_on(trial.floorplan)
+        if place is None:
+            continue
+        # Only people in neighbouring cells of this width can overlap.
+        i, j = place[0] // width, place[1] // width
+        cells = [(i + di, j + dj) for di in (-1, 0, 1) for dj in (-1, 0, 1)]
+        for _, other, there in sorted(one for cell in cells for one in placed.get(cell, ())):
+            needed = (person.radius or usual) + (other.radius or usual)
+            apart = math.dist(place, there)
+            if apart < needed:
+                message = (
+                    f"{place} is {apart:.3g} m from where {other.name} starts; two bodies of"
+                    f" their size need {needed:g} m between their centres"
+                )
+                if place == there:
+                    message += "; omit at, or give anywhere, for a free position"
+                yield message, ("people", k, "at")
+                break
+        placed.setdefault((i, j), []).append((k, person, place))
 
 
 def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:

@@ -320,14 +320,15 @@ def corners_at(box, motion, ts):
     return corners @ turn + motion.position(ts)[:, None]
 
 
-def overlap(one, other):
-    """By how much two rectangles overlap, from their corners; less than 0 if they are apart.
+def overlaps(some, others):
+    """Return by how much pairs of rectangles (N, 4, 2) overlap, less than 0 if they are apart.
 
-    That is how far it is from 0 to the border of the differences of all their points.
+    The overlap is the distance of 0 from the border of the differences of all their points.
     """
-    differences = shapely.MultiPoint((one[:, None] - other[None]).reshape(-1, 2)).convex_hull
-    away = shapely.Point(0.0, 0.0).distance(differences.exterior)
-    return away if differences.contains(shapely.Point(0.0, 0.0)) else -away
+    differences = (some[:, :, None] - others[:, None]).reshape(len(some), -1, 2)
+    hulls = shapely.convex_hull(shapely.multipoints(differences))
+    away = shapely.distance(shapely.Point(0.0, 0.0), shapely.boundary(hulls))
+    return np.where(shapely.contains_xy(hulls, 0.0, 0.0), away, -away)
 
 
 boxes = st.builds(Box, length=st.floats(0.2, 3), width=st.floats(0.2, 3), top=st.just(1.0))
@@ -338,8 +339,7 @@ boxes = st.builds(Box, length=st.floats(0.2, 3), width=st.floats(0.2, 3), top=st
 def test_boxes_overlap_as_their_corners_do(one, other, box, others, depth):
     found = navigation.when(navigation.Overlapping(box, others, depth), one, other, 0.0, END)
     ts = np.linspace(0.0, END, 400)
-    both = zip(corners_at(box, one, ts), corners_at(others, other, ts), strict=True)
-    margins = np.array([depth - overlap(mine, theirs) for mine, theirs in both])
+    margins = depth - overlaps(corners_at(box, one, ts), corners_at(others, other, ts))
     assert_negative_within(list(found), ts, margins, END)
 
 

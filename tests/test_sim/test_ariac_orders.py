@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 from bridge_parts import Client, Exchange, Workcell, served
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from run_events import events, figures_in_words
 from sample_files import files
 
@@ -294,7 +294,6 @@ def trials(draw):
     return trial_of(*made, bins=bins, agvs=agvs, trays=trays)
 
 
-@settings(max_examples=40)
 @given(trials(), st.sampled_from(["oblivious", "pausing", "avoiding"]))
 def test_every_order_of_a_valid_trial_ends_submitted(trial, controller):
     run = sim.run(alone(replace(trial, duration=10_000.0), controller))

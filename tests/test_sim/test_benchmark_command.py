@@ -143,10 +143,17 @@ def test_a_report_is_written_without_known_shortest_paths(tmp_path, floorwalker)
         assert page.count("shortest lengths are not known") == 2
 
 
-@pytest.mark.parametrize("times", [1.0, 0.0])
-def test_a_report_is_written_if_few_queries_have_a_path(tmp_path, times):
-    """No median of costs is finite. Also cover a clock that is too coarse for any time."""
+@pytest.fixture(scope="module")
+def few_solved():
+    """A floor and attempts of which few have a path."""
     plan = floorplan.load("machine_shop")
+    return plan, benchmark([plan], ["RRTstar: {iterations: 10}"], queries=7, seed=2)
+
+
+@pytest.mark.parametrize("times", [1.0, 0.0])
+def test_a_report_is_written_if_few_queries_have_a_path(few_solved, tmp_path, times):
+    """No median of costs is finite. Also cover a clock that is too coarse for any time."""
+    plan, measured = few_solved
     attempts = [
         replace(
             attempt,
@@ -156,7 +163,7 @@ def test_a_report_is_written_if_few_queries_have_a_path(tmp_path, times):
                 replace(one, cpu_seconds=times * one.cpu_seconds) for one in attempt.progress
             ),
         )
-        for attempt in benchmark([plan], ["RRTstar: {iterations: 10}"], queries=7, seed=2)
+        for attempt in measured
     ]
     assert 0 < summary(attempts)[0].solved.value < 0.5
     page = tmp_path / "report.html"

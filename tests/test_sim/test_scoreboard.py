@@ -31,9 +31,9 @@ def results(tmp_path_factory):
     return sim.run_study(shorter(study), folder / "out", jobs=1)
 
 
-def shorter(study):
-    """Return the study with trials of 75 s, in which jobs are done and an AGV moves."""
-    trials = tuple(replace(trial, duration=75.0) for trial in study.trials)
+def shorter(study, duration=75.0):
+    """Return the study with shorter trials. In 75 s, jobs are done and an AGV moves."""
+    trials = tuple(replace(trial, duration=duration) for trial in study.trials)
     return replace(study, trials=trials)
 
 
@@ -121,7 +121,7 @@ def test_the_same_controller_under_two_names_gets_the_same_runs(tmp_path):
     code += "            yield from caution.go((yield gantry.locate(task)))\n"
     code += "            yield gantry.handle(task)\n"
     (tmp_path / "mine.py").write_text(code)
-    study = shorter(scoreboard(["pausing", "mine:careful"], repeat=1, folder=tmp_path))
+    study = shorter(scoreboard(["pausing", "mine:careful"], repeat=1, folder=tmp_path), 40.0)
     results = sim.run_study(study, tmp_path / "out", jobs=1)
     one, other = (
         [

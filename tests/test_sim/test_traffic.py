@@ -95,12 +95,12 @@ def test_a_corridor_without_a_passing_place_is_a_deadlock_of_both():
         ", niche: [10, 3]", ""
     )
     machines = {"a": amr("[1.5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
-    finished = run(machines, floor=plain, duration=100)
+    finished = run(machines, floor=plain, duration=60)
     assert finished.summary["collisions"] == 0 and finished.summary["traffic_deadlocks"] == 1
     (deadlock,) = events(finished, "traffic_deadlock")
     assert sorted(deadlock["machines"]) == ["a", "b"]
     waited = {name: finished.summary["machines"][name]["waiting_time"] for name in "ab"}
-    assert min(waited.values()) > 60 and finished.summary["waiting_time"] == sum(waited.values())
+    assert min(waited.values()) > 30 and finished.summary["waiting_time"] == sum(waited.values())
 
 
 def test_a_crossing_vehicle_waits_and_continues():
