@@ -417,7 +417,8 @@ class BeliefBase:
         index = self.clauses.get(key)
         if index is None:
             index = self.clauses[key] = ClauseIndex()
-            self._forget_dependencies()
+            if any(one is not None and key in one.keys for one in self._dependencies.values()):
+                self._forget_dependencies()
         return index
 
     def rules(self) -> list[Rule]:

@@ -243,7 +243,7 @@ def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Ite
             continue
         scope: Unifier = {}
         open_args = []
-        for parameter, value in zip(clause.head.args, question, strict=True):
+        for parameter, value in zip(clause.head.args, question):  # noqa: B905 - equal lengths
             if value is None:
                 if is_placed(parameter):
                     break
@@ -259,8 +259,10 @@ def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Ite
 
 def _values(logic: Logic, terms: list[Term], u: Unifier) -> Values:
     """Return the values of terms, with fresh variables in place of unbound ones."""
+    values = tuple([value_of(term, u) for term in terms])
+    if all(map(is_ground, values)):
+        return values
     renamed: dict[str, Var] = {}
-    values = [value_of(term, u) for term in terms]
     return tuple([v if is_ground(v) else rename(v, logic.names, renamed) for v in values])
 
 

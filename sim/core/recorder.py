@@ -224,12 +224,12 @@ _AS_IT_IS = frozenset((str, int, bool, type(None)))
 
 def rounded(value: Any) -> Any:
     """Return the same data with its floats rounded to `DECIMALS`, and no negative zero."""
+    if value.__class__ in _AS_IT_IS:
+        return value
     if isinstance(value, float):
         short = round(value, DECIMALS) + 0.0
         # Thousands of events name the same places: the same number need be there but once.
         return value if value == short != 0.0 else short
-    if value.__class__ in _AS_IT_IS:
-        return value
     if isinstance(value, dict):
         return {key: rounded(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

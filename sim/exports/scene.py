@@ -273,7 +273,7 @@ def floor(run: Outcome) -> list[Thing]:
     ground = Shape(
         kind="triangles", points=_triangles(plan.boundary, -_HAIR), size=_AS_IT_IS, color=GROUND
     )
-    outline = _line([(*at[:2], 0.0) for at in plan.boundary.exterior.coords], 0.05, MARKING)
+    outline = polyline([(*at[:2], 0.0) for at in plan.boundary.exterior.coords], 0.05, MARKING)
     things = [Thing("floor", ROOT_FRAME, (ground, outline))]
     things += [
         Thing(f"obstacle {obstacle.name}", ROOT_FRAME, (_solid(obstacle),))
@@ -287,11 +287,11 @@ def floor(run: Outcome) -> list[Thing]:
     if plan.safe_zone is not None:
         x, y = plan.safe_zone.position
         words = _label((x, y, 0.4), "safe zone", SAFE)
-        things.append(Thing("safe zone", ROOT_FRAME, (_circle((x, y), 1.0, 0.05, SAFE), words)))
+        things.append(Thing("safe zone", ROOT_FRAME, (circle((x, y), 1.0, 0.05, SAFE), words)))
     courses = {lane.name: tuple(map(lane.position, lane.limits)) for lane in plan.lanes}
     courses |= {machine.name: machine.course for machine in run.scene.machines if machine.course}
     for name, course in courses.items():
-        line = _line([(*at, _HAIR) for at in course], 0.03, MACHINES["vehicle"])
+        line = polyline([(*at, _HAIR) for at in course], 0.03, MACHINES["vehicle"])
         things.append(Thing(f"lane {name}", ROOT_FRAME, (line,)))
     if plan.gantry is not None:
         things.append(Thing("gantry rails", ROOT_FRAME, tuple(_rails(plan.gantry))))
@@ -330,8 +330,8 @@ def violation(run: Outcome, event: Event) -> Thing:
         f"violation {person} {machine}",
         ROOT_FRAME,
         (
-            _circle((x, y), 2 * figure.radius, 0.06, ALARM),
-            _line([(x, y, height), (*end, height)], 0.04, ALARM),
+            circle((x, y), 2 * figure.radius, 0.06, ALARM),
+            polyline([(x, y, height), (*end, height)], 0.04, ALARM),
             _label(middle, f"closer than {event['required']:.2f} m", ALARM),
         ),
     )
@@ -417,13 +417,15 @@ def _arrow(start: Point3, length: float, color: Color) -> Shape:
     return Shape(kind="arrow", at=start, size=(length, 0.12, 0.3), color=color)
 
 
-def _line(points: Iterable[Point3], width: float, color: Color) -> Shape:
+def polyline(points: Iterable[Point3], width: float, color: Color) -> Shape:
+    """Return lines of a width (m) through points."""
     return Shape(kind="line", points=tuple(points), size=(width, 0.0, 0.0), color=color)
 
 
-def _circle(center: Point, radius: float, width: float, color: Color) -> Shape:
+def circle(center: Point, radius: float, width: float, color: Color) -> Shape:
+    """Return a circle on the ground, drawn with a width (m)."""
     x, y = center
-    return _line([(x + radius * cx, y + radius * cy, _HAIR) for cx, cy in _CIRCLE], width, color)
+    return polyline([(x + radius * cx, y + radius * cy, _HAIR) for cx, cy in _CIRCLE], width, color)
 
 
 def _label(at: Point3, text: str, color: Color) -> Shape:

@@ -12,8 +12,11 @@ from ..cell import Cell
 from ..competition import Values
 from ..competition.messages import about_z, header
 from ..exports import scene
-from ..exports.scene import ALARM, SAFE, Color, Shape, Thing
+from ..exports.scene import ALARM, SAFE, Shape, Thing
 from .node import CellNode
+
+MOST_EVENTS = 1000
+"""Number of events in the queue of their topic."""
 
 DIAGNOSTICS = 1.0
 """Hz, in simulated time."""
@@ -45,7 +48,7 @@ def add_monitoring(ros: CellNode, cell: Cell) -> None:
         return {"header": header(cell.now, ""), "status": status}
 
     ros.advertise("/diagnostics", "diagnostic_msgs/DiagnosticArray", diagnostics, rate=DIAGNOSTICS)
-    events = ros.advertise("events", "std_msgs/String")
+    events = ros.advertise("events", "std_msgs/String", depth=MOST_EVENTS)
     cell.signals["events"].watch(
         lambda event: ros.publish(events, {"data": json.dumps(event, ensure_ascii=False)})
     )
@@ -53,9 +56,6 @@ def add_monitoring(ros: CellNode, cell: Cell) -> None:
 
 WIDTH = 0.04
 """Width of drawn lines, m."""
-
-DIRECTIONS = [(math.cos(k * math.tau / 48), math.sin(k * math.tau / 48)) for k in range(49)]
-"""Unit vectors to the corners of a drawn circle."""
 
 KINDS = {"arrow": 0, "cube": 1, "cylinder": 3, "line": 4, "label": 9, "triangles": 11}
 """Types of visualization_msgs/Marker."""
@@ -78,9 +78,9 @@ def _distances(cell: Cell) -> Iterator[Thing]:
     for name, signal in cell.signals.items():
         state = signal.read() if name.startswith("monitor/") else None
         if state is not None and 0 < state.required < math.inf:
-            circle = [(state.required * x, state.required * y) for x, y in DIRECTIONS]
             color = ALARM if state.distance < state.required else SAFE
-            yield Thing(name, scene.frame(name.split("/")[1]), (_line(circle, color),))
+            circle = scene.circle((0.0, 0.0), state.required, WIDTH, color)
+            yield Thing(name, scene.frame(name.split("/")[1]), (circle,))
 
 
 def _fields(cell: Cell) -> Iterator[Thing]:
@@ -90,13 +90,9 @@ def _fields(cell: Cell) -> Iterator[Thing]:
         machine = simulation.machines[name]
         for span in fields.protective.applying(machine.body.motion, now, now, machine.loaded):
             if span.set is not None:
-                corners = [*span.set.protective, span.set.protective[0]]
-                yield Thing(f"field/{name}", scene.frame(name), (_line(corners, ALARM),))
-
-
-def _line(corners: Sequence[tuple[float, float]], color: Color) -> Shape:
-    points = tuple((x, y, WIDTH) for x, y in corners)
-    return Shape(kind="line", points=points, size=(WIDTH, 0.0, 0.0), color=color)
+                corners = [(x, y, WIDTH) for x, y in span.set.protective]
+                outline = scene.polyline([*corners, corners[0]], WIDTH, ALARM)
+                yield Thing(f"field/{name}", scene.frame(name), (outline,))
 
 
 def _drawn(things: Iterable[Thing]) -> Values:

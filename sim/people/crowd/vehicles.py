@@ -224,7 +224,8 @@ def any_touches(stage: Stage, human: Human, motion: Motion) -> bool:
 
 def any_moves(stage: Stage, until: float) -> bool:
     """Return whether a vehicle drives now, or will start by `until` (s)."""
-    return bool(_moving(stage, stage.clock.now, until))
+    now = stage.clock.now
+    return any(machine.foreseen(until).end > now for machine in stage.vehicles)
 
 
 def _moving(stage: Stage, now: float, until: float) -> list[Mover]:
