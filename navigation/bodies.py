@@ -248,7 +248,6 @@ class CollisionBody:
 
     name: str
     shape: Polygon | Disc
-    solid: Any = field(repr=False)
     bounds: tuple[float, float, float, float] = field(repr=False)
 
     @staticmethod
@@ -256,10 +255,17 @@ class CollisionBody:
         """Return the body `name` with this footprint. `ValueError` if it is no simple polygon."""
         if isinstance(shape, Disc):
             (x, y), r = shape.centre, shape.radius
-            return CollisionBody(name, shape, disc(shape.centre, r), (x - r, y - r, x + r, y + r))
+            return CollisionBody(name, shape, (x - r, y - r, x + r, y + r))
         if not isinstance(shape, Polygon) or shape.is_empty or not shape.is_valid:
             raise ValueError(f"the footprint of {name!r} must be a Disc or a simple polygon")
-        return CollisionBody(name, shape, region(shape), shape.bounds)
+        return CollisionBody(name, shape, shape.bounds)
+
+    @cached_property
+    def solid(self) -> Any:
+        """FCL's object. Many bodies are never near anything, or tested in the plane alone."""
+        if isinstance(self.shape, Disc):
+            return disc(self.shape.centre, self.shape.radius)
+        return region(self.shape)
 
     @property
     def footprint(self) -> Polygon:

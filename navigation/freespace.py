@@ -7,7 +7,7 @@ crosses a gate if and only if one of its segments does.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, MutableSequence, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TypeVar
@@ -29,7 +29,6 @@ from .bodies import (
     edges_of_room,
     flat_sides,
 )
-from .kernels.discs import within_bounds
 from .kernels.edges import Grid, back_through
 from .kernels.grid import SOME, Cells
 from .kernels.numbers import numbers
@@ -66,8 +65,8 @@ class FreeSpace:
         shapely.prepare(self.pieces)
         self._pieces_at: dict[Point, int | None] = {}
         self._nearest: dict[Point, Point | None] = {}
-        self._sides: MutableSequence[float] | None = None
-        """Bounds of the sides of all pieces, one after another."""
+        self._sides: NDArray[np.float64] | None = None
+        """Bounds of the sides of all pieces: see `_bounds_of_sides`."""
 
     def __repr__(self) -> str:
         return f"<FreeSpace, pieces: {len(self.pieces)}>"
@@ -107,12 +106,12 @@ class FreeSpace:
         """Return the lower left and upper right of `place` and the sides that it may be on."""
         if self._sides is None:
             self._sides = _bounds_of_sides(self.pieces)
-        (x, y), sides = place, self._sides
-        on = within_bounds(sides, numbers((x, y, x, y)), _EDGE)
-        low_x, low_y, high_x, high_y = (
-            [end, *(sides[4 * k + n] for k in on)] for n, end in enumerate((x, y, x, y))
-        )
-        return (min(low_x), min(low_y)), (max(high_x), max(high_y))
+        x, y = place
+        low_x, low_y, high_x, high_y = sides = self._sides
+        on = (low_x < x + _EDGE) & (high_x > x - _EDGE) & (low_y < y + _EDGE) & (high_y > y - _EDGE)
+        low_x, low_y, high_x, high_y = sides[:, on]
+        low = float(low_x.min(initial=x)), float(low_y.min(initial=y))
+        return low, (float(high_x.max(initial=x)), float(high_y.max(initial=y)))
 
     def outward(self, point: Point, reach: float) -> list[list[Point]]:
         """Return positions within `reach` metres of `point` for each piece that is so near.
@@ -169,12 +168,12 @@ def without(space: FreeSpace, bodies: Sequence[CollisionBody], radius: float) ->
     return FreeSpace(np.concatenate([space.pieces[~touched], parts]))
 
 
-def _bounds_of_sides(pieces: NDArray[np.object_]) -> MutableSequence[float]:
-    """Return minimum x and y, maximum x and y of each side of polygons, in turn."""
+def _bounds_of_sides(pieces: NDArray[np.object_]) -> NDArray[np.float64]:
+    """Return minimum x and y, maximum x and y of the sides of polygons, in rows: (4, N)."""
     points, of = shapely.get_coordinates(shapely.get_rings(pieces), return_index=True)
     joined = of[1:] == of[:-1]
     a, b = points[:-1][joined], points[1:][joined]
-    return numbers(np.hstack([np.minimum(a, b), np.maximum(a, b)]).ravel().tolist())
+    return np.hstack([np.minimum(a, b), np.maximum(a, b)]).T
 
 
 @lru_cache(_MOST_GROWN)

@@ -9,7 +9,7 @@ Its cost grows with the changes of motion and the close encounters, not with the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import inf
 
 from floorplan.files.values import require
@@ -226,9 +226,7 @@ def minimum_separation(
     TypeError, ValueError
         See `first_violation`.
     """
-    _check(person, machine, begin, end)
-    encounter = Encounter(person, machine, () if shapes is None else shapes.gauges)
-    return least(None, encounter, float(begin), float(end), EXACT)
+    return least_over(None, person, machine, [(begin, end)], shapes)
 
 
 def minimum_margin(
@@ -259,14 +257,28 @@ def minimum_margin(
     TypeError, ValueError
         See `first_violation`.
     """
-    _check(person, machine, begin, end)
+    return least_over(law, person, machine, [(begin, end)], shapes)
+
+
+def least_over(
+    law: AnyLaw | None,
+    person: Motion,
+    machine: Motion,
+    spans: Sequence[tuple[float, float]],
+    shapes: Shapes | None,
+) -> tuple[float, float]:
+    """Return `minimum_margin` over several time spans, or `minimum_separation` without a law."""
+    for begin, end in spans:
+        _check(person, machine, begin, end)
     encounter = Encounter(person, machine, () if shapes is None else shapes.gauges)
+    times = [(float(begin), float(end)) for begin, end in spans]
+    if law is None:
+        return least(None, encounter, times, EXACT)
     inner = law
     # A scaled law is as exact as its inner law.
     while isinstance(inner, Scaled):
         inner = inner.law
-    tolerance = EXACT if is_of_motions(inner) else PLAIN
-    return least(evaluator_of(law), encounter, float(begin), float(end), tolerance)
+    return least(evaluator_of(law), encounter, times, EXACT if is_of_motions(inner) else PLAIN)
 
 
 class StoppingHorizon(kernel.Lookout):

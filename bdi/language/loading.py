@@ -70,13 +70,31 @@ def parse_literal(source: str) -> Literal:
     return _literal(source)
 
 
+_FACT = re.compile(
+    r"([a-z]\w*)\( *(-?\d{1,12}(?:\.\d{1,12})?(?: *, *-?\d{1,12}(?:\.\d{1,12})?)*) *\)", re.ASCII
+)
+"""Literal whose arguments are decimal numbers, such as the places of many people."""
+
+
 @lru_cache(maxsize=4096)
 def _literal(source: str) -> Literal:
     # Cached because a trial reads each belief twice: in its check and for its agent.
+    fact = _FACT.fullmatch(source)
+    if fact and _is_functor(fact[1]):
+        return Literal(fact[1], tuple(map(float, fact[2].split(","))))
     clause = _parse_part(source)
     if isinstance(clause, Belief):
         return clause.belief
     raise _wrong_part(source, "a literal")
+
+
+@lru_cache(maxsize=256)
+def _is_functor(name: str) -> bool:
+    """Return whether a name can be the functor of a belief."""
+    try:
+        return isinstance(_parse_part(f"{name}(0)"), Belief)
+    except ProgramError:
+        return False
 
 
 def parse_term(source: str) -> Term:

@@ -28,4 +28,5 @@ cdef bint _share_place(
 cdef class Polygons:
     cdef readonly list[Numbers] polygons
     cdef Numbers bounds
+    cpdef tuple extent(self)
     cpdef bint meet(self, Polygons other)

@@ -246,6 +246,14 @@ class Polygons:
         for polygon in polygons:
             self.bounds.extend(row_of_box(box_around(polygon, position_count(polygon))))
 
+    def extent(self) -> tuple[float, float, float, float]:
+        """Return minimum x and y, maximum x and y (metres)."""
+        box: BoundingBox = boxes_of(self.bounds)[0]
+        k: cython.Py_ssize_t
+        for k in range(1, box_count(self.bounds)):
+            box = united(box, boxes_of(self.bounds)[k])
+        return box.low_x, box.low_y, box.high_x, box.high_y
+
     def meet(self, other: Polygons) -> bool:
         """Return whether both unions have a common point."""
         i: cython.Py_ssize_t

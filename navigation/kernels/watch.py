@@ -460,34 +460,42 @@ def next_change(
 
 
 def least(
-    law: LawEvaluator | None, encounter: Encounter, begin: float, end: float, tolerance: float
+    law: LawEvaluator | None,
+    encounter: Encounter,
+    spans: list[tuple[float, float]],
+    tolerance: float,
 ) -> tuple[float, float]:
-    """Return the time (s) of the minimum of distance − required, and the minimum (m).
+    """Return the time (s) of the minimum of distance − required in `spans`, and the minimum (m).
 
     Without a law it is that of the distance. The minimum is exact to `tolerance` metres.
     """
     best: float = INFINITY
     when: float = 0.0
+    begin: float
+    end: float
     k: cython.Py_ssize_t
-    encounter.come_to(begin)
-    while encounter.next_interval(end):
-        # Branch and bound: halve only intervals that may improve the best value by the tolerance.
-        while True:
-            lower: float = encounter.lower
-            upper: float = encounter.upper
-            margin: Closest = margin_over(law, encounter, lower, upper)
-            if margin.low >= best - tolerance:
-                break
-            # Only NaN differs from itself. Comparisons with it would never end the search.
-            if (margin.low + margin.high) != (margin.low + margin.high):
-                raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
-            for k in range(3):
-                t: float = lower if k == 0 else margin.t if k == 1 else upper
-                at_once: Closest = margin_over(law, encounter, t, t)
-                # Among minima that differ only by rounding, the first counts.
-                if at_once.low < best - 1e-12:
-                    when = t
-                    best = at_once.low
-            if margin.low >= best - tolerance or not encounter.halve():
-                break
+    for begin, end in spans:
+        encounter.come_to(begin)
+        while encounter.next_interval(end):
+            # Branch and bound: halve only intervals that may improve the best value.
+            while True:
+                lower: float = encounter.lower
+                upper: float = encounter.upper
+                margin: Closest = margin_over(law, encounter, lower, upper)
+                if margin.low >= best - tolerance:
+                    break
+                # Only NaN differs from itself. Comparisons with it would never end the search.
+                if (margin.low + margin.high) != (margin.low + margin.high):
+                    raise ValueError(
+                        f"the law asks for no finite distance from {lower} s to {upper} s"
+                    )
+                for k in range(3):
+                    t: float = lower if k == 0 else margin.t if k == 1 else upper
+                    at_once: Closest = margin_over(law, encounter, t, t)
+                    # Among minima that differ only by rounding, the first counts.
+                    if at_once.low < best - 1e-12:
+                        when = t
+                        best = at_once.low
+                if margin.low >= best - tolerance or not encounter.halve():
+                    break
     return float(when), float(best)

@@ -22,7 +22,6 @@ from .protocol import ProtocolError
 MOST_TOPICS = 1000
 """Number of topics that all clients may create, and to which one may subscribe."""
 
-
 Answer = Values | Coroutine[Any, Any, Values]
 Serve = Callable[[Client, Values], Answer]
 """Answers a request of a client. It may raise `RefusedError`."""
@@ -65,7 +64,6 @@ class Topic:
 class Service:
     """Service with the type of its requests, and the function that answers them."""
 
-    name: str
     type: MessageType
     answer: Serve
 
@@ -80,6 +78,7 @@ class Exchange:
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
         self.changed: Callable[[], None] = lambda: None
+        self._own = 0
 
     def advertise(
         self,
@@ -95,21 +94,22 @@ class Exchange:
         `publish_state` publishes what `read` returns. The last `latched` messages are sent to each
         client that subscribes later.
         """
+        self._own += 1
         kept: deque[str] = deque(maxlen=latched)
         topic = self.topics[name] = Topic(name, message_type(type_), True, heard, read, kept)
         return topic
 
     def listen(self, name: str, type_: str, heard: Heard) -> None:
         """Add a topic on which clients publish."""
+        self._own += 1
         self.topics[name] = Topic(name, message_type(type_), heard=heard)
 
     def provide(
         self, name: str, type_: str, answer: Serve, request: Mapping[str, str] | None = None
     ) -> None:
         """Add a service. `request` contains the types of its arguments by name."""
-        self.services[name] = Service(
-            name, MessageType(canonical(type_, "srv"), dict(request or {})), answer
-        )
+        type_ = canonical(type_, "srv")
+        self.services[name] = Service(MessageType(type_, dict(request or {})), answer)
 
     def publish(self, topic: Topic, message: Values) -> None:
         """Send a message of the simulation to every subscriber of its topic."""
@@ -245,7 +245,7 @@ class Exchange:
 
     def _create(self, name: str, type_: MessageType) -> Topic:
         """Return a new topic, on which clients hear each other."""
-        if sum(topic.is_of_clients for topic in self.topics.values()) >= MOST_TOPICS:
+        if len(self.topics) - self._own >= MOST_TOPICS:
             raise RefusedError(f"{MOST_TOPICS} topics of clients are the maximum")
         topic = self.topics[name] = Topic(name, type_)
         return topic

@@ -192,7 +192,6 @@ class Session:
     async def _continue_run(self) -> None:
         if await self._is_held():
             return
-        self._begin()
         if self._pace.speed:
             await self._keep_pace()
         elif self._stepping is not None:
@@ -277,23 +276,21 @@ class Session:
         self._changed.set()
 
     async def _is_held(self) -> bool:
-        """Wait for a change if a client is missing. Return whether one is."""
-        missing = self._missing()
+        """Wait for a change if a client is missing, otherwise begin or continue the run.
+
+        Return whether one is missing.
+        """
+        missing, now = self._missing(), self._workcell.now
         if missing:
             self._pace.hold(missing)
-            self._say(f"stands still at t = {self._workcell.now:.1f} s: {missing}")
+            self._say(f"stands still at t = {now:.1f} s: {missing}")
             await self._change()
+        elif self._pace.release():
+            self._grace, self._agent_since = 0.0, None
+            if not now:
+                self._workcell.competition.enter(STARTED)
+            self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
         return bool(missing)
-
-    def _begin(self) -> None:
-        """Begin or continue the run."""
-        if not self._pace.release():
-            return
-        self._grace, self._agent_since = 0.0, None
-        now = self._workcell.now
-        if not now:
-            self._workcell.competition.enter(STARTED)
-        self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
 
     def _say(self, text: str) -> None:
         """Notify the user and all clients, once."""
@@ -337,7 +334,6 @@ class Session:
             while not self._pace.over:
                 if await self._is_held():
                     continue
-                self._begin()
                 if pace.advance(pace.next_tick):
                     break
                 await self.server.flush(PATIENCE)

@@ -12,10 +12,11 @@ from typing import Any, NamedTuple
 
 from floorplan import UserError
 from floorplan.files.dataclass import dataclass
-from navigation import Motion, Moving, minimum_separation, when
+from navigation import Motion, Moving, when
 from navigation.kernels.odometer import Odometer
 from navigation.kernels.pieces import walked_and_stood
 from navigation.measures import Nearest, nearest_pair
+from navigation.monitor import least_over
 
 from ..core.body import Category, Machine
 from ..core.scenario import Scenario
@@ -106,15 +107,14 @@ class Finished:
         for watch, one, other, spans in self._together(category):
             person, machine = watch.pair.person.name, watch.pair.machine
             measured = other.translated(*self.trial.rules.measured_at(machine.shape))
-            for begin, end in spans:
-                time, distance = minimum_separation(
-                    one, measured, begin, end, shapes=watch.pair.shapes
-                )
-                if person not in nearest or distance < nearest[person][0]["distance"]:
-                    # A violation may end in a teleport, so the motion before it counts.
-                    required = watch.required_before(time, one, other)
-                    figures = {"distance": distance, "time": time, "required": required}
-                    nearest[person] = figures, machine
+            if not spans:
+                continue
+            time, distance = least_over(None, one, measured, spans, watch.pair.shapes)
+            if person not in nearest or distance < nearest[person][0]["distance"]:
+                # A violation may end in a teleport, so the motion before it counts.
+                required = watch.required_before(time, one, other)
+                figures = {"distance": distance, "time": time, "required": required}
+                nearest[person] = figures, machine
         return nearest
 
     @property

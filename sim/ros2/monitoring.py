@@ -15,6 +15,9 @@ from ..exports import scene
 from ..exports.scene import ALARM, SAFE, Shape, Thing
 from .node import CellNode
 
+MOST_EVENTS = 1000
+"""Number of events in the queue of their topic."""
+
 DIAGNOSTICS = 1.0
 """Hz, in simulated time."""
 
@@ -45,7 +48,7 @@ def add_monitoring(ros: CellNode, cell: Cell) -> None:
         return {"header": header(cell.now, ""), "status": status}
 
     ros.advertise("/diagnostics", "diagnostic_msgs/DiagnosticArray", diagnostics, rate=DIAGNOSTICS)
-    events = ros.advertise("events", "std_msgs/String")
+    events = ros.advertise("events", "std_msgs/String", depth=MOST_EVENTS)
     cell.signals["events"].watch(
         lambda event: ros.publish(events, {"data": json.dumps(event, ensure_ascii=False)})
     )

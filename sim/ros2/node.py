@@ -20,7 +20,7 @@ from ..competition import RefusedError, Values
 from ..competition.transport import Answer, Heard, Read
 from .messages import filled, values_of
 
-DEPTH = 100
+DEPTH = 10
 """Number of messages in the queue of a topic."""
 
 USUAL_RATE = 10.0
@@ -77,9 +77,10 @@ class CellNode:
         heard: Heard | None = None,
         latched: int = 0,
         rate: float = USUAL_RATE,
+        depth: int = DEPTH,
     ) -> RosTopic:
         """Return a new topic. See `Transport`."""
-        qos = QoSProfile(depth=latched or DEPTH)
+        qos = QoSProfile(depth=latched or depth)
         if latched:
             qos.durability = DurabilityPolicy.TRANSIENT_LOCAL
         message = self.find(type_, "msg", name)

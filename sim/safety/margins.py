@@ -7,7 +7,8 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from navigation import Enclosure, Encounter, Motion, Shapes, minimum_margin
+from navigation import Enclosure, Encounter, Motion, Shapes
+from navigation.monitor import least_over
 from navigation.separation import AnyLaw
 
 from .laws import Curve
@@ -103,9 +104,7 @@ def least_margins(beside: Iterable[Encountered]) -> tuple[Margin | None, Margin 
 
 
 def _least(one: Encountered, spans: Sequence[Span]) -> Margin:
-    motions, shapes = (one.walk, one.measured), one.shapes
-    minima = (minimum_margin(*motions, one.law, *span, shapes=shapes) for span in spans)
-    margin, time = min((margin, time) for time, margin in minima)
+    time, margin = least_over(one.law, one.walk, one.measured, spans, one.shapes)
     return Margin(margin, time, one.person, one.machine)
 
 

@@ -279,6 +279,19 @@ def test_files_without_text_are_rejected(tmp_path):
         bdi.parse_file(tmp_path)
 
 
+@pytest.mark.parametrize("numbers", ["1", "-0", "01", "1.50", "-2.25, 3", "1 ,2", "  4  "])
+def test_facts_with_numbers_are_those_of_a_program(numbers):
+    fact, program = bdi.parse_literal(f"at({numbers})"), bdi.parse(f"at({numbers}).")
+    assert repr(fact.args) == repr(program.beliefs[0].belief.args)
+    assert fact == program.beliefs[0].belief
+
+
+@pytest.mark.parametrize("name", ["not", "mod", "true", "while", "A"])
+def test_reserved_words_are_no_facts(name):
+    with pytest.raises(bdi.ProgramError, match=name):
+        bdi.parse_literal(f"{name}(1)")
+
+
 @pytest.mark.parametrize("text", ["", " ", "\n"])
 def test_an_empty_text_is_no_literal(text):
     with pytest.raises(bdi.ProgramError, match="found the end"):

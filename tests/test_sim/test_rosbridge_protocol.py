@@ -236,6 +236,21 @@ def test_the_oldest_messages_of_a_topic_are_dropped_when_too_many_wait():
     assert 0 < last < 200  # the last message read is still under way
 
 
+def test_held_messages_of_a_topic_are_sent_after_their_release():
+    account = an_account()
+    outbox, queue = Outbox(account), TopicQueue(2)
+    outbox.put(queue, "ready")
+    for k in range(3):  # drops "ready", then the oldest one that is held
+        outbox.put(queue, f"held{k}", held=True)
+    assert everything_in(outbox) == []
+    outbox.release(queue)
+    assert everything_in(outbox) == ["held1"]
+    under_way = account.held
+    outbox.drop(queue)
+    assert 0 < account.held < under_way
+    assert everything_in(outbox) == []
+
+
 def test_messages_that_cannot_be_dropped_are_bounded():
     for text, many, words in (
         ("x", MOST_REPLIES, f"{MOST_REPLIES} answers wait"),

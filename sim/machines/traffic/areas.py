@@ -31,25 +31,22 @@ _ROUNDING = 1e-6
 Bounds = tuple[float, float, float, float]
 """Minimum x and y, maximum x and y, metres."""
 
-_EVERYWHERE = (-math.inf, -math.inf, math.inf, math.inf)
-
 
 class Area:
     """Union of convex polygons, which `draw` returns when they are needed.
 
-    Most areas are far from each other, so that the rectangle `around` is sufficient.
+    Most areas are far from each other, so that a rectangle `around` is sufficient. By default it
+    has the bounds of the polygons.
     """
 
-    def __init__(self, draw: Callable[[], list[Table]], around: Bounds = _EVERYWHERE) -> None:
+    def __init__(self, draw: Callable[[], list[Table]], around: Bounds | None = None) -> None:
         self._draw = draw
         self._around = around
 
     @classmethod
     def of(cls, areas: Sequence[Area]) -> Area:
         """Return the union of areas."""
-        x, y, most_x, most_y = zip(*(area._around for area in areas), strict=True)
-        around = min(x), min(y), max(most_x), max(most_y)
-        return cls(lambda: [part for area in areas for part in area._polygons.polygons], around)
+        return cls(lambda: [part for area in areas for part in area._polygons.polygons])
 
     @cached_property
     def _polygons(self) -> Polygons:
@@ -64,8 +61,7 @@ class Area:
     @cached_property
     def bounds(self) -> Bounds:
         """Bounds of the polygons."""
-        x, y, most_x, most_y = shapely.total_bounds(self.parts).tolist()
-        return x, y, most_x, most_y
+        return self._polygons.extent()
 
     @property
     def polygons(self) -> list[Polygon]:
@@ -84,7 +80,7 @@ class Area:
 
     def meets(self, other: Area) -> bool:
         """Return whether both areas have a common point."""
-        a, b = self._around, other._around
+        a, b = self._around or self.bounds, other._around or other.bounds
         if a[0] > b[2] or b[0] > a[2] or a[1] > b[3] or b[1] > a[3]:
             return False
         return self._polygons.meet(other._polygons)
