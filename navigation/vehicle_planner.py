@@ -29,6 +29,7 @@ from floorplan.files.dataclass import dataclass
 
 from .bodies import CollisionBody
 from .catalog import PlanningError
+from .kernels.edges import Room
 from .kernels.footprints import FootprintRoom
 from .kernels.numbers import numbers_of
 from .planner import PathPlanner
@@ -123,15 +124,16 @@ class VehiclePlanner:
         half_turned = affinity.scale(footprint, -1.0, -1.0, origin=(0.0, 0.0))
         self._inner = float(footprint.exterior.distance(shapely.Point(0.0, 0.0)))
         self._room = FootprintRoom(
-            world.walls,
             numbers_of(corners),
             [numbers_of(part) for part in _convex_parts(footprint)],
+            outer,
             SLACK,
             _SAG,
             self.limits.holonomic,
             not self.limits.holonomic and half_turned.equals(footprint),
         )
-        self._bodies: Sequence[CollisionBody] = ()
+        self._bodies: Sequence[CollisionBody] | None = None
+        self._turning: Room
         self._box = fcl.Box(1.0, 1.0, _THICK)
         self._boxes = fcl.CollisionObject(self._box, fcl.Transform())
         self._side = np.array([1.0, 1.0, _THICK])
@@ -147,8 +149,11 @@ class VehiclePlanner:
         """Room for the vehicle among the present bodies."""
         bodies = self.world.bodies
         if bodies is not self._bodies:
-            self._bodies = bodies
-            self._room.place([body.outline for body in bodies], self.world.gates.lines)
+            self._bodies, walls, gates = bodies, self.world.walls, self.world.gates.lines
+            outlines = [body.outline for body in bodies]
+            self._room.room = Room(walls, 0.0, outlines, gates)
+            self._room.disc = Room(walls, self._outer + SLACK, outlines, gates)
+            self._turning = Room(walls, self._outer + 2 * SLACK, outlines, gates)
         return self._room
 
     def fits(self, pose: Sequence[float]) -> bool:
@@ -273,20 +278,21 @@ class VehiclePlanner:
         """Yield a pose, and the nearest one ahead or back where the vehicle can turn."""
         yield pose
         (x, y, rotation), room = pose, self.room
-        if room.turns(x, y, 2 * SLACK):
+        if self._turning.holds(x, y):
             return
         c, s = math.cos(rotation), math.sin(rotation)
         for k in range(1, math.ceil(2 * self._outer / _BIT) + 1):
             for away in (k * _BIT, -k * _BIT):
                 there = (x + away * c, y + away * s)
-                if room.turns(*there, 2 * SLACK) and room.drive_free(x, y, *there, rotation):
+                if self._turning.holds(*there) and room.drive_free(x, y, *there, rotation):
                     yield (*there, rotation)
                     return
 
     def _room_to_turn(self, at: Point) -> Point | None:
         """Return the place nearest to `at` where the vehicle can turn completely."""
-        radius = self._outer + 2 * SLACK
-        return at if self.room.turns(*at, 2 * SLACK) else self.world.nearest_free(at, radius)
+        if self._turning.holds(*at):
+            return at
+        return self.world.nearest_free(at, self._outer + 2 * SLACK)
 
     def _sampled(
         self, begin: Pose, to: Point, ends: Sequence[Pose], end: Pose | None

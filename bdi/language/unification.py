@@ -396,6 +396,8 @@ def _unified(pattern: Term, literal: Literal) -> Unifier | None:
 
 def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | None]:
     """Return `matched` for a query, compiled if its arguments are distinct variables."""
+    if not query.args:
+        return lambda belief, u: u
     names = [arg.name for arg in query.args if arg.__class__ is Var]
     if not names or len(set(names)) < len(query.args):
         return lambda belief, u: matched(query, belief, u)

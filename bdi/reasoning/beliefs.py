@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from operator import itemgetter
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 from ..language.operations import Qualified
 from ..language.program import Key, Rule, are_apart
@@ -34,31 +34,34 @@ Values: TypeAlias = tuple[Term, ...]
 """Values of the variables of a query in one answer."""
 
 
+class CountsFailures(Protocol):
+    """Evaluator with the number of failures of internal actions."""
+
+    failures: int
+
+
 class CachedAnswers:
-    """Answers from a `source` to one question, cached as far as they were requested.
+    """Answers from a `source` to one question, cached as far as they were requested."""
 
-    `failures` returns the number of failures of internal actions.
-    """
-
-    def __init__(self, source: Iterator[Values], failures: Callable[[], int]) -> None:
+    def __init__(self, source: Iterator[Values], logic: CountsFailures) -> None:
         self.is_cacheable = True
         """False if the answers must be computed again for the next query."""
         self._source = source
-        self._failures = failures
+        self._logic = logic
         self._rows: list[Values] = []
 
     def __iter__(self) -> Iterator[Values]:
-        at = 0
-        while at < len(self._rows) or self._fetch():
-            yield self._rows[at]
+        at, rows = 0, self._rows
+        while at < len(rows) or self._fetch():
+            yield rows[at]
             at += 1
 
     def _fetch(self) -> bool:
         """Request the next answer. Return whether there is one."""
-        before, is_cacheable, self.is_cacheable = self._failures(), self.is_cacheable, False
+        before, is_cacheable, self.is_cacheable = self._logic.failures, self.is_cacheable, False
         values = next(self._source, None)  # not cacheable if this raises
         # Failures must be reported, and variables renamed, for each query.
-        self.is_cacheable = is_cacheable and self._failures() == before
+        self.is_cacheable = is_cacheable and self._logic.failures == before
         if values is None:
             return False
         self.is_cacheable = self.is_cacheable and all(map(is_ground, values))

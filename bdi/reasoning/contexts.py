@@ -201,7 +201,8 @@ def _query(query: Literal) -> Answers:
             else:
                 return logic.solutions(query, u)
         # Rules may be added and removed at run time, so each query checks what rules there are.
-        if len(set(names)) < len(names) or not logic.beliefs.has_plain_rules(key):
+        is_plain = index.answers is not None or logic.beliefs.has_plain_rules(key)
+        if not is_plain or len(set(names)) < len(names):
             return logic.solutions(query, u)
         rows = _cached(logic, query, tuple(question), u, index)
         return ({**u, **dict(zip(names, values))} for values in rows)  # noqa: B905 - equal lengths
@@ -221,7 +222,7 @@ def _cached(
         if len(cache) >= MAX_QUESTIONS:
             cache.clear()
         source = _proved(logic, query, question, u)
-        cached = cache[question] = CachedAnswers(source, lambda: logic.failures)
+        cached = cache[question] = CachedAnswers(source, logic)
     return cached
 
 

@@ -162,28 +162,22 @@ class Document:
         return Problem(message, field_name((*self.at, *place)), self.lines.get(nearest))
 
     def checked(
-        self, schema: type[_Schema], error: type[InputError], context: Any = None
+        self,
+        schema: type[_Schema],
+        error: type[InputError],
+        context: Any = None,
+        part: type[_Schema] | None = None,
     ) -> _Schema:
-        """Return the values as a `schema`. Raise an `error` with all problems.
+        """Return the values as a `schema`, or a `part` of it. Raise an `error` with all problems.
 
         Pydantic's validators get the `context`.
         """
-        return self.checked_by(schema, schema, error, context)
-
-    def checked_by(
-        self,
-        part: type[_Schema],
-        schema: type[BaseModel],
-        error: type[InputError],
-        context: Any = None,
-    ) -> _Schema:
-        """Return the values as a `part` of a `schema`, from which errors name similar keys."""
         if not isinstance(self.data, dict):
             kind = "nothing" if self.data is None else "a " + _kind(self.data)
             message = f"expected keys with values, found {kind}"
             raise error(self.file, [self.problem(message)])
         try:
-            return part.model_validate(self.data, context=context)
+            return (part or schema).model_validate(self.data, context=context)
         except ValidationError as why:
             problems = [
                 self.problem(message, *place) for message, place in misfits(why, schema, self.data)

@@ -3,7 +3,6 @@ from navigation.kernels.convex cimport hull, is_apart
 from navigation.kernels.cubics cimport *
 
 cdef double _STEP, _GROUP, _SECTOR, _STRAIGHT, _RESTS
-cdef int _LINE, _TURNING, _CURVE
 
 cpdef double end_of_part(Numbers table, double now, double seconds) noexcept
 cpdef Numbers poses_along(Numbers table, double begin, double end)
@@ -19,7 +18,7 @@ cdef int _add_sectors(
     Numbers corners,
     Numbers wider,
 ) except -1
-cdef bint _share(Numbers sampled, Py_ssize_t first, Py_ssize_t last, int kind) noexcept
+cdef bint _are_near(Placement a, Placement b) noexcept
 cdef bint _share_line(Numbers sampled, Py_ssize_t first, Py_ssize_t last) noexcept
 cdef bint _share_place(
     Numbers sampled, Py_ssize_t first, Py_ssize_t last, double limit

@@ -28,10 +28,6 @@ _SECTOR: float = 3.0  # radians; longest part of a turn whose sectors are convex
 _STRAIGHT: float = 1e-6  # metres; tolerance of straight lines
 _RESTS: float = 1e-6  # m/s and rad/s; slower machines are at rest
 
-_LINE: cython.int = 0  # poses share a polygon on a line without a turn,
-_TURNING: cython.int = 1  # on a turn on the spot,
-_CURVE: cython.int = 2  # and on a curve if they are near
-
 
 def end_of_part(table: Numbers, now: float, seconds: float) -> float:
     """Return the end (s) of the next part of a motion: at rest, or after `seconds`."""
@@ -124,24 +120,30 @@ def swept(sampled: Numbers, corners: Numbers, wider: Numbers, turns: bool) -> li
     last: cython.Py_ssize_t
     k: cython.Py_ssize_t
     while first == 0 or first < count - 1:
-        kind: cython.int = _CURVE
-        if count == 1 or pose[first].rotation == pose[first + 1].rotation:
-            kind = _LINE
-        elif turns and _share_place(sampled, first, first + 1, _SECTOR):
-            kind = _TURNING
+        # Poses on a line, of a turn on the spot, or nearby on a curve share polygons.
+        line: bool = count == 1 or pose[first].rotation == pose[first + 1].rotation
+        turn: bool = not line and turns and _share_place(sampled, first, first + 1, _SECTOR)
         last = min(first + 1, count - 1)
-        while last + 1 < count and _share(sampled, first, last + 1, kind):
+        while last + 1 < count:
+            if line:
+                shared: bool = _share_line(sampled, first, last + 1)
+            elif turn:
+                shared = _share_place(sampled, first, last + 1, _SECTOR)
+            else:
+                shared = _are_near(pose[first], pose[last + 1])
+            if not shared:
+                break
             last += 1
-        if kind == _TURNING:
+        if turn:
             _add_sectors(polygons, sampled, first, last, corners, wider)
         else:
             points: Numbers = room(0)
             for k in range(first, last + 1):
-                points.extend(_placed(pose[k], corners if kind == _LINE else wider))
+                points.extend(_placed(pose[k], corners if line else wider))
             polygons.append(hull(points))
-        first = last
         if count == 1:
             break
+        first = last
     return polygons
 
 
@@ -190,16 +192,8 @@ def _add_sectors(
     return 0
 
 
-def _share(
-    sampled: Numbers, first: cython.Py_ssize_t, last: cython.Py_ssize_t, kind: cython.int
-) -> bool:
-    """Return whether poses share a polygon."""
-    if kind == _LINE:
-        return _share_line(sampled, first, last)
-    if kind == _TURNING:
-        return _share_place(sampled, first, last, _SECTOR)
-    a: Placement = placements_of(sampled)[first]
-    b: Placement = placements_of(sampled)[last]
+def _are_near(a: Placement, b: Placement) -> bool:
+    """Return whether two poses of a curve share a polygon."""
     near: bool = abs(b.x - a.x) + abs(b.y - a.y) < _GROUP
     return near and abs(b.rotation - a.rotation) < _GROUP
 

@@ -2,19 +2,17 @@ from libc.math cimport NAN, asin, atan2, ceil, copysign, cos, isnan, remainder, 
 from libc.math cimport M_PI as pi
 from navigation.kernels.convex cimport meets_edge
 from navigation.kernels.cubics cimport *
-from navigation.kernels.edges cimport Grid, back_through, touches
+from navigation.kernels.edges cimport Room, back_through, touches
 
 cdef double _NO_TURN
 
 cdef class FootprintRoom:
-    cdef Grid floor
-    cdef Numbers corners, radii, bounds
-    cdef list[Numbers] parts, bodies, gates
+    cdef public Room room, disc
+    cdef Numbers corners
+    cdef list[Numbers] parts
     cdef double slack, sag, step
-    cdef readonly double outer
     cdef bint sideways, alike
     cpdef bint fits(self, double x, double y, double rotation) except -1
-    cpdef bint turns(self, double x, double y, double slack) except -1
     cpdef bint drive_free(
         self, double ax, double ay, double bx, double by, double rotation
     ) except -1
@@ -37,7 +35,6 @@ cdef class FootprintRoom:
     cdef double _turned(self, double x, double y, double begin, double end) except? -1
     cpdef list between(self, tuple one, tuple to, double end)
     cdef bint _clear(self, Numbers polygon) except -1
-    cdef bint _clear_disc(self, double x, double y, double radius) except -1
 
 cdef bint _meets_body(Numbers polygon, Numbers edges, double rounding) except -1
 cdef bint _is_inside(Numbers edges, double x, double y) noexcept

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .edges import Grid, back_through, touches
+from .edges import Room, back_through, touches
 from .numbers import Place
 
 if not cython.compiled:
@@ -32,47 +32,32 @@ _NO_TURN: float = 1e-9  # radians
 class FootprintRoom:
     """Room on a floor for a footprint with these `corners` (metres), and its convex `parts`.
 
-    Drives and turns keep `slack` metres from everything, and boxes of a turn are larger by `sag`.
-    `sideways` is true if the vehicle can drive in its present heading, and `alike` if its footprint
-    is the same backwards.
+    `room` is that of a point, and `disc` that of a disc around the footprint. Drives and turns keep
+    `slack` metres from everything, and boxes of a turn are larger by `sag`. `sideways` is true if
+    the vehicle can drive in its present heading, and `alike` if its footprint is the same
+    backwards.
     """
 
     def __init__(
         self,
-        floor: Grid,
         corners: Numbers,
         parts: list[Numbers],
+        outer: float,
         slack: float,
         sag: float,
         sideways: bool,
         alike: bool,
     ) -> None:
-        self.floor = floor
+        self.room: Room
+        self.disc: Room
         self.corners = corners
         self.parts = parts
         self.slack = slack
         self.sag = sag
         self.sideways = sideways
         self.alike = alike
-        self.outer = 0.0
-        """Distance of the farthest corner from the axis (metres)."""
-        k: cython.Py_ssize_t
-        for k in range(position_count(corners)):
-            p: Position = positions_of(corners)[k]
-            self.outer = max(self.outer, norm(p.x, p.y))
-        self.step = 2 * asin(min(sag / self.outer, 1.0))
+        self.step = 2 * asin(min(sag / outer, 1.0))
         """Angle between boxes of a turn (radians). Half of it moves a corner by `sag` at most."""
-        self.place([], [])
-
-    def place(self, bodies: list[tuple[Numbers, float]], gates: list[Numbers]) -> None:
-        """Set the bodies, as pairs of edges and rounding, and the gates: see `Room`."""
-        self.gates = gates
-        self.bodies = [edges for edges, _ in bodies]
-        self.radii = room(0)
-        self.bounds = room(0)
-        for edges, rounding in bodies:
-            self.bounds.extend(row_of_box(box_around(edges, position_count(edges))))
-            self.radii.append(rounding)
 
     def fits(self, x: float, y: float, rotation: float) -> bool:
         """Return whether the footprint is free in a pose."""
@@ -80,7 +65,7 @@ class FootprintRoom:
         s: float = sin(rotation)
         part: Numbers
         k: cython.Py_ssize_t
-        if not self.floor.inside(x, y):
+        if not self.room.floor.inside(x, y):
             return False
         for part in self.parts:
             placed: Numbers = position_room(position_count(part))
@@ -91,14 +76,10 @@ class FootprintRoom:
                 return False
         return True
 
-    def turns(self, x: float, y: float, slack: float) -> bool:
-        """Return whether the disc around the footprint is free, with `slack` metres around it."""
-        return self.floor.inside(x, y) and self._clear_disc(x, y, self.outer + slack)
-
     def drive_free(self, ax: float, ay: float, bx: float, by: float, rotation: float) -> bool:
         """Return whether a straight drive from a pose that fits is free."""
         gate: Numbers
-        for gate in self.gates:
+        for gate in self.room.gates:
             if back_through(gate, ax, ay, bx, by):
                 return False
         return self._clear(self.drive_box(ax, ay, bx, by, rotation))
@@ -161,7 +142,7 @@ class FootprintRoom:
 
     def turn_free(self, x: float, y: float, begin: float, end: float) -> bool:
         """Return whether a turn on the spot is free, at a place where the footprint fits."""
-        if self._clear_disc(x, y, self.outer + self.slack):
+        if self.disc.clear(x, y, x, y, True):
             return True
         angle: float
         for angle in self.turn_angles(begin, end):
@@ -216,29 +197,14 @@ class FootprintRoom:
 
     def _clear(self, polygon: Numbers) -> bool:
         """Return whether a convex polygon meets no edge, and is in no body."""
-        if self.floor.meets(polygon):
+        if self.room.floor.meets(polygon):
             return False
         box: BoundingBox = box_around(polygon, position_count(polygon))
         k: cython.Py_ssize_t
-        for k in range(len(self.bodies)):
-            rounding: float = at(self.radii)[k]
-            if are_within(box, boxes_of(self.bounds)[k], rounding + self.slack) and _meets_body(
-                polygon, self.bodies[k], rounding
-            ):
-                return False
-        return True
-
-    def _clear_disc(self, x: float, y: float, radius: float) -> bool:
-        """Return whether a disc meets no edge, and its centre is in no body."""
-        if self.floor.touched(x, y, x, y, radius):
-            return False
-        box: BoundingBox = BoundingBox(x, y, x, y)
-        k: cython.Py_ssize_t
-        for k in range(len(self.bodies)):
-            limit: float = radius + at(self.radii)[k]
-            if are_within(box, boxes_of(self.bounds)[k], limit) and (
-                touches(self.bodies[k], x, y, x, y, limit) or _is_inside(self.bodies[k], x, y)
-            ):
+        for k in range(len(self.room.bodies)):
+            rounding: float = at(self.room.radii)[k]
+            near: bool = are_within(box, boxes_of(self.room.bounds)[k], rounding + self.slack)
+            if near and _meets_body(polygon, self.room.bodies[k], rounding):
                 return False
         return True
 

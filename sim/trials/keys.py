@@ -198,5 +198,6 @@ def read_keys(document: Document) -> DerivedKeys:
     data = document.data
     keys = data.keys() if isinstance(data, dict) else ()
     part = _part(frozenset(TrialKeys.model_fields.keys() & keys))
-    read = document.checked_by(part, TrialKeys, TrialError, {"begins": _begins_in(data)})
+    context = {"begins": _begins_in(data)}
+    read: BaseModel = document.checked(TrialKeys, TrialError, context, part)
     return TrialKeys.model_construct(read.model_fields_set, **dict(read))

@@ -69,7 +69,7 @@ def test_the_sweep_of_a_straight_drive_is_exact():
         area = Footprint(SHAPE, 0.0).swept(drive, begin, end)
         exact = covered(SHAPE, drive, begin, end).convex_hull
         assert area_of(area).symmetric_difference(exact).area < 1e-6
-        assert len(area.polygons) == 1
+        assert len(area.parts) == 1
 
 
 def test_the_sweep_of_a_stationary_machine_is_its_footprint_with_the_clearance():

@@ -58,7 +58,7 @@ def test_areas_meet_where_they_have_a_point_in_common():
     assert not here.meets(footprint.at((1.7, 0.0, 0.0)))
     assert here.gap(footprint.at((4.0, 0.0, 0.0))) == pytest.approx(2.4, abs=0.02)
     both = Area.of([here, footprint.at((4.0, 0.0, 0.0))])
-    assert both.meets(footprint.at((4.0, 0.5, 1.0))) and len(both.polygons) == 2
+    assert both.meets(footprint.at((4.0, 0.5, 1.0))) and len(both.parts) == 2
 
 
 def test_claims_never_meet_and_contain_the_machines():

@@ -63,11 +63,6 @@ class Area:
         """Bounds of the polygons."""
         return self._polygons.extent()
 
-    @property
-    def polygons(self) -> list[Polygon]:
-        """The polygons."""
-        return [*self.parts]
-
     def gap(self, other: Area) -> float:
         """Return the distance between the bounds of both areas (m)."""
         a, b = self.bounds, other.bounds
