@@ -111,10 +111,10 @@ class FloorplanError(InputError):
 
 
 def suggestion(name: str, known: Iterable[object]) -> str:
-    """Return a hint for an unknown `name`: the most similar known name, or all of them."""
+    """Return a hint for an unknown `name`: the most similar known name, all of them, or none."""
     names = [str(one) for one in known]
     near = difflib.get_close_matches(name, names, 1)
-    return f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names)}"
+    return f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names) or 'none'}"
 
 
 def refuse(about: str, faults: Iterable[Fault], error: type[InputError]) -> None:

@@ -5,8 +5,16 @@ from __future__ import annotations
 from functools import partial
 
 from ..cell import Cell, CellTask, Pose, Signal
-from ..competition.messages import header, laser_scan, odometry, pose_message, pose_of
+from ..competition.messages import (
+    WORLD,
+    header,
+    laser_scan,
+    odometry,
+    pose_message,
+    stamped_pose_of,
+)
 from ..competition.transport import Values, plain, prefix_of
+from ..exports.scene import ROOT_FRAME
 from .exchange import Exchange, Topic
 
 STRING = "std_msgs/String"
@@ -72,7 +80,7 @@ def _add_inputs(cell: Cell, exchange: Exchange, body: str, prefix: str) -> None:
 
 def _go(task: CellTask, ended: partial[None], message: Values, source: str) -> None:
     """Start a task at a goal, and publish its result."""
-    task.start(pose_of(message["pose"]), source).on_end(ended)
+    task.start(stamped_pose_of(message, floor=(WORLD, ROOT_FRAME)), source).on_end(ended)
 
 
 def _send_text(exchange: Exchange, topic: Topic, text: str) -> None:
@@ -84,7 +92,7 @@ def _odometry(cell: Cell, frame: str, pose: Signal, velocity: Signal) -> Values 
     here: Pose | None = pose.read()
     if here is None:
         return None
-    return odometry(cell.now, "world", frame, here, velocity.read().seen_at(here.heading))
+    return odometry(cell.now, WORLD, frame, here, velocity.read().seen_at(here.heading))
 
 
 def _laser_scan(cell: Cell, frame: str, signal: Signal) -> Values:

@@ -9,7 +9,7 @@ from floorplan import UserError
 from ..cell import Cell, Pose
 from ..competition import CompetitionTopics, Values, add_gantry
 from ..competition.human_topics import COMMANDS, START
-from ..competition.messages import seconds, transform
+from ..competition.messages import WORLD, seconds, transform
 from ..core.body import Body
 from ..core.recorder import Listener
 from ..people.minds import Outside
@@ -125,7 +125,7 @@ class Workcell:
         """Return tf2_msgs/TFMessage from the world to all frames."""
         return {
             "transforms": [
-                transform(self.now, "world", name, Pose.of(body.state), height)
+                transform(self.now, WORLD, name, Pose.of(body.state), height)
                 for body, (name, height) in self._frames.items()
             ]
         }

@@ -107,7 +107,7 @@ class Admission:
         """
         for number in _numbers(value):
             if not abs(number) <= LARGEST:
-                reason = f"numbers must be finite and at most {LARGEST:g}, not {number:g}"
+                reason = f"numbers must be finite and at most {LARGEST:g}, not {_shown(number)}"
                 raise self.rejected(name, value, reason)
         if not self._pace.over:
             self.catch_up()
@@ -152,10 +152,10 @@ def _numbers(value: object) -> Iterator[float]:
     if isinstance(value, bool | str | bytes):
         return
     if isinstance(value, int | float | np.number):
-        yield min(value, math.inf) if isinstance(value, int) else float(value)
+        yield value if isinstance(value, int) else float(value)
     elif isinstance(value, np.ndarray):
         yield from value.ravel().tolist()
-    elif is_dataclass(value):
+    elif is_dataclass(value) and not isinstance(value, type):
         for field in fields(value):
             yield from _numbers(getattr(value, field.name))
     elif isinstance(value, Mapping):
@@ -165,11 +165,13 @@ def _numbers(value: object) -> Iterator[float]:
 
 
 def _shown(value: object) -> str:
-    """Return a value in short form."""
+    """Return a value in short form, on one line."""
     if isinstance(value, Pose):
-        text = f"({value.x:g}, {value.y:g}, {value.heading:g})"
+        text = _shown((value.x, value.y, value.heading))
+    elif isinstance(value, int) and abs(value) > LARGEST:
+        text = "an integer that is too large"  # Python does not print all of them
     elif isinstance(value, tuple | list) and len(value) <= 3:
         text = f"({', '.join(map(_shown, value))})"
     else:
-        text = f"{value:g}" if isinstance(value, float) else str(value)
+        text = f"{value:g}" if isinstance(value, float) else " ".join(str(value).split())
     return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 1]}…"

@@ -156,6 +156,8 @@ class Pace:
 
     def every(self, period: float, action: Callable[[], None]) -> None:
         """Call a function whenever simulated time reaches a multiple of a period (s)."""
+        if not 0 < period < math.inf:
+            raise UserError(f"every(period) must be more than 0 and finite, not {period:g}")
         tick = _Tick(period, action)
         tick.begin(self.now)
         self._ticks.append(tick)

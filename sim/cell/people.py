@@ -118,6 +118,8 @@ class PersonRoute:
                 action = bdi.parse_literal(action)
             except bdi.ProgramError as why:
                 raise UserError(f"is no action: {why}") from why
+        if not isinstance(action, bdi.Literal):
+            raise UserError("expected an action as text")
         self.person.act(action)
 
 

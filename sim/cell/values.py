@@ -130,7 +130,9 @@ Target = tuple[float, ...]
 def target_of(goal: Pose | Sequence[float]) -> Target:
     """Return the target of a goal: a pose, or a sequence of two or three numbers."""
     if isinstance(goal, Pose):
-        return (goal.x, goal.y, goal.heading)
+        goal = (goal.x, goal.y, goal.heading)
+    if isinstance(goal, str) or not isinstance(goal, Sequence | np.ndarray):
+        raise ValueError("expected a Pose, or x, y and possibly a heading")
     numbers = tuple(map(float, goal))
     if len(numbers) not in (2, 3):
         raise ValueError(f"expected x, y and possibly a heading, not {len(numbers)} numbers")

@@ -82,7 +82,7 @@ def bridge(
     if connect is not None:
         from sim.bridge import driven_person
 
-        for name, given_too in (("watch", watch), ("to", to is not None)):
+        for name, given_too in (("--watch", watch), ("--to", to is not None)):
             if given_too:
                 raise typer.BadParameter("cannot be combined with --connect", param_hint=name)
         _be_the_agent(chosen, driven_person(loaded), connect, waypoints)
@@ -110,9 +110,9 @@ def _serve(
     from sim.bridge import Exchange, OriginError, Origins, Session, Workcell, listen_at
 
     if not (math.isfinite(speed) and speed >= 0):
-        raise typer.BadParameter(f"must be 0 or more, not {speed:g}", param_hint="speed")
+        raise typer.BadParameter(f"must be 0 or more, not {speed:g}", param_hint="--speed")
     if to is not None and not speed:
-        raise typer.BadParameter("must be more than 0 with --to", param_hint="speed")
+        raise typer.BadParameter("must be more than 0 with --to", param_hint="--speed")
     try:
         trusted = Origins(origins)
     except OriginError as why:

@@ -142,11 +142,14 @@ def print_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
 
 
 def _warn_of_external(trial: Trial) -> None:
-    """Print the people who do nothing because they are driven from outside."""
+    """Print the people and gantry that do nothing, because a program outside controls them."""
     from ..people.programs import EXTERNAL
 
-    waiting = [person.name for person in trial.people if person.personality == EXTERNAL]
-    if trial.floorplan.gantry is not None and trial.gantry.controller == EXTERNAL:
+    commanded = {one.send or one.person or one.machine for one in trial.commands}
+    people = (person.name for person in trial.people if person.personality == EXTERNAL)
+    waiting = [name for name in people if name not in commanded]
+    gantry = trial.floorplan.gantry
+    if gantry and trial.gantry.controller == EXTERNAL and "gantry" not in commanded:
         waiting.append("the gantry")
     if waiting:
         say(

@@ -12,10 +12,14 @@ from navigation.motion import State
 
 from ..cell import Pose, Rejected, Scan, Velocity
 from ..cell.signals import SCANS
+from ..exports.scene import ROOT_FRAME
 from ..machines.gantry.trajectories import JOINTS, joint_values
 from ..orders.workload import AssemblyTask, KittingTask, Order, PartType
 
 Message = dict[str, Any]
+
+WORLD = "world"
+"""Frame of the floor in the competition."""
 
 LOCATIONS = ("kitting", "assembly_front", "assembly_back", "warehouse")
 """AGV locations of ariac_msgs/AGVStatus, by number."""
@@ -45,7 +49,7 @@ def seconds_of(stamp: Message) -> float:
     return float(stamp["sec"] + stamp["nanosec"] * 1e-9)
 
 
-def header(t: float, frame: str = "world") -> Message:
+def header(t: float, frame: str = WORLD) -> Message:
     """Return std_msgs/Header of a time (s) and a frame."""
     return {"stamp": seconds(t), "frame_id": frame}
 
@@ -63,6 +67,19 @@ def pose_of(message: Message) -> Pose:
         raise Rejected("orientation", (x, y, z, w), "must be a rotation")
     heading = math.atan2(2 * (w * z + x * y), norm * norm - 2 * (y * y + z * z))
     return Pose(message["position"]["x"], message["position"]["y"], heading)
+
+
+def stamped_pose_of(
+    message: Message, frame: str = "", floor: Sequence[str] = (ROOT_FRAME,)
+) -> Pose:
+    """Return a geometry_msgs/PoseStamped. `frame` applies if it has none.
+
+    `Rejected` unless it is in a frame of the `floor`.
+    """
+    frame = message["header"]["frame_id"] or frame
+    if frame and frame.lstrip("/") not in floor:
+        raise Rejected("frame", frame, f"a pose must be in the frame {' or '.join(floor)}")
+    return pose_of(message["pose"])
 
 
 def twist_message(velocity: Velocity) -> Message:

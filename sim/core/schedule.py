@@ -142,7 +142,7 @@ class Duration:
     @property
     def mean(self) -> float:
         """Mean in seconds. For lognormal durations this is the median."""
-        values = self.values
+        values = self.values or (math.nan,)
         if self.kind == "fixed":
             return values[0]
         usual = sum(values) / len(values) if self.kind in ("uniform", "triangular") else values[0]
@@ -192,9 +192,6 @@ class DrawnKeys(Keyed):
     def _one(self) -> Self:
         if len(self._present) != 1:
             raise UserError(f"give one of {', '.join(vars(self))}")
-        ((name, values),) = self._present.items()
-        if name in ("uniform", "triangular") and list(values) != sorted(values):
-            raise UserError(f"{name} must rise, found {list(values)}")
         return self
 
     @property
@@ -218,19 +215,37 @@ def _form(value: Any) -> str:
     return "range" if isinstance(value, list | tuple) else "figure"
 
 
+_VALUES = {
+    "fixed": 1,
+    "uniform": 2,
+    "triangular": 3,
+    "normal": 2,
+    "lognormal": 2,
+    "exponential": 1,
+}
+"""Number of values of each distribution."""
+
+
+def _duration_fault(duration: Duration) -> str:
+    """Return why a duration cannot be drawn, or an empty text."""
+    kind, values = duration.kind, duration.values
+    if kind not in _VALUES:
+        return f"must be one of {', '.join(_VALUES)}, not {kind!r}"
+    if len(values) != _VALUES[kind]:
+        return f"{kind} needs {_VALUES[kind]} values, not {values!r}"
+    scale = values[0] if kind in ("lognormal", "exponential") else max(values)
+    if scale <= 0 or not all(0 <= value <= LARGEST for value in values):
+        return f"must be seconds from 0 to {LARGEST:g}, not {values!r}"
+    rises = kind not in ("uniform", "triangular") or [*values] == sorted(values)
+    return "" if rises else f"{kind} must rise, found {[*values]}"
+
+
 def _drawn_fault(value: float | tuple[float, float] | Duration) -> str:
     """Return why a value cannot be drawn, or an empty text."""
     if isinstance(value, tuple):
         fits = SMALLEST <= value[0] <= value[1] <= LARGEST
         return "" if fits else f"must be [least, most], above 0, not {[*value]}"
-    if isinstance(value, Duration):
-        fits = bool(value.values) and all(0 <= one <= LARGEST for one in value.values)
-        return (
-            ""
-            if fits
-            else f"must be drawn from figures from 0 to {LARGEST:g}, not {value.values!r}"
-        )
-    return size_fault(value)
+    return _duration_fault(value) if isinstance(value, Duration) else size_fault(value)
 
 
 Drawn = Annotated[
@@ -273,6 +288,7 @@ class WorkTask(Keyed):
         Written(Positive | _Distribution),
         BeforeValidator(_seconds),
         AfterValidator(_fixed),
+        Fits(_duration_fault),
     ]
     _: KW_ONLY
     name: str = ""

@@ -11,11 +11,11 @@ from ..cell import Cell, CellCommand, Pose, Running, Scan, Signal
 from ..cell.signals import POSES, SCANS
 from ..competition import Values
 from ..competition.machine_topics import trajectory_of
-from ..competition.messages import joint_state, laser_scan, odometry
+from ..competition.messages import joint_state, laser_scan, odometry, stamped_pose_of
 from ..exports.scene import ROOT_FRAME
 from ..machines.gantry.robot import GantryRobot
 from .actions import Action
-from .messages import stamped_pose_of, values_of
+from .messages import values_of
 from .node import CellNode
 
 STAMPED, PLAIN = "geometry_msgs/TwistStamped", "geometry_msgs/Twist"

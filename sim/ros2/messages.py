@@ -6,10 +6,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-from ..cell import Pose, Rejected
 from ..competition import Values
-from ..competition.messages import pose_of
-from ..exports.scene import ROOT_FRAME
 
 
 def values_of(message: Any) -> Any:
@@ -42,14 +39,3 @@ def _element(type_: str) -> Any:
     """Return the class of the messages in a list, such as "sequence<geometry_msgs/Pose>"."""
     package, _, name = type_.removeprefix("sequence<").rstrip(">").partition("/")
     return getattr(import_module(f"{package}.msg"), name)
-
-
-def stamped_pose_of(values: Values, frame: str = "") -> Pose:
-    """Return a geometry_msgs/PoseStamped. `frame` applies if it has none.
-
-    `Rejected` unless it is in the frame of the map.
-    """
-    frame = values["header"]["frame_id"] or frame
-    if frame.lstrip("/") not in ("", ROOT_FRAME):
-        raise Rejected("frame", frame, f"a pose must be in the frame {ROOT_FRAME}")
-    return pose_of(values["pose"])

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 from ..cell import Cell, Pose, Rejected, Running
 from ..cell.tasks import CANCELLED, SUCCEEDED
 from ..competition import Values
-from ..competition.messages import header, pose_message, seconds
+from ..competition.messages import header, pose_message, seconds, stamped_pose_of
 from ..exports.scene import ROOT_FRAME
 from .actions import Action
-from .messages import stamped_pose_of, values_of
+from .messages import values_of
 from .node import CellNode
 
 ACTIVE = {"current_state": {"id": 3, "label": "active"}}

@@ -548,9 +548,9 @@ machines:
 )
 
 
-def goal_of(x, y, turn=0.0):
+def goal_of(x, y, turn=0.0, frame="map"):
     pose = {"position": {"x": x, "y": y}, "orientation": {"z": math.sin(turn), "w": math.cos(turn)}}
-    return {"header": {"frame_id": "map"}, "pose": pose}
+    return {"header": {"frame_id": frame}, "pose": pose}
 
 
 def test_a_bridge_serves_several_people_and_vehicles(tmp_path):
@@ -601,6 +601,7 @@ def test_a_bridge_serves_several_people_and_vehicles(tmp_path):
         ("/cmd_vel", {"linear": {"x": 99.0}}, ("/cmd_vel", "99")),
         ("/goal_pose", goal_of(10.0, 6.5), ("/goal_pose", "10", "6.5")),
         ("/bob/goal_pose", goal_of(10.0, 6.5), ("/bob/goal_pose", "10", "no room")),
+        ("/goal_pose", goal_of(5.0, 4.0, frame="base_link"), ("/goal_pose", "base_link", "world")),
         ("/ariac_human/goal_position", {"x": 1e300}, ("/ariac_human/goal_position", "1e+300")),
     ],
 )

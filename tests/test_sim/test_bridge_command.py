@@ -68,13 +68,13 @@ def test_errors_are_reported_and_leave_no_folder_behind(folder, floorwalker):
         taken = url.rpartition(":")[2]
         for arguments, code, words in (
             (["outside.yaml", "--port", taken], 1, f"can't serve at 127.0.0.1:{taken}"),
-            (["outside.yaml", "--speed", "-1"], 2, "must be 0 or more, not -1"),
+            (["outside.yaml", "--speed", "-1"], 2, "--speed: must be 0 or more, not -1"),
             (["outside.yaml", "--port", "70000"], 2, "--port"),
             (["outside.yaml", "--connect", url], 1, "say with --personality"),
             (
                 ["outside.yaml", "--connect", url, "--watch"],
                 2,
-                "watch: cannot be combined with --connect",
+                "--watch: cannot be combined with --connect",
             ),
             (["--connect", "ws://127.0.0.1:1"], 1, "can't connect to ws://127.0.0.1:1"),
             (["--connect", "nonsense"], 1, "nonsense is not an address"),

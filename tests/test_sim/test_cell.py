@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from small_floors import WORKCELL, on_floor
 
@@ -120,6 +121,16 @@ def test_a_run_driven_through_the_cell_repeats_to_the_byte(tmp_path):
         ("people/ann/goal", (-3.0, 6.5), "outside"),
         ("people/ann/act", "fly(1)", "fly"),
         ("people/ann/act", "fly(", "fly"),
+        ("people/ann/act", None, "text"),
+        ("people/ann/act", b"stop_movement", "text"),
+        ("people/ann/goal", "12", "Pose"),
+        ("people/ann/goal", {1.0, 2.0}, "Pose"),
+        ("people/ann/goal", Pose(1.0, 2.0, "north"), "north"),
+        ("people/ann/goal", np.ones((2, 2)), "1."),
+        ("machines/bot/go_to", Pose("west", 1.0), "west"),
+        ("machines/bot/go_to", Pose(1.0, None), "None"),
+        ("machines/bot/go_to", (10**5000, 1.0), "finite"),
+        ("machines/bot/twist", Pose, "Pose"),
     ],
 )
 def test_a_rejected_value_causes_one_line_with_its_name_and_no_change(name, value, word):
@@ -132,6 +143,12 @@ def test_a_rejected_value_causes_one_line_with_its_name_and_no_change(name, valu
     assert word in str(why.value) and "\n" not in str(why.value)
     assert cell.notices == [str(why.value)]
     assert cell.simulation.commands == before
+
+
+@pytest.mark.parametrize("period", [0.0, -1.0, math.nan, math.inf])
+def test_a_period_without_end_or_beginning_is_an_error(period):
+    with pytest.raises(ValueError, match="period"):
+        cell_of().pace.every(period, print)
 
 
 def test_a_flood_on_one_command_leaves_the_others_undisturbed():

@@ -182,6 +182,15 @@ def test_people_who_wait_for_a_client_are_reported(tmp_path, floorwalker):
     )
 
 
+def test_a_person_with_commands_does_not_wait_for_a_client(tmp_path, floorwalker):
+    command = {"time": 0.1, "call": "act", "person": "operator"}
+    command["arguments"] = {"action": "move(-14, -10)"}
+    (tmp_path / "commands.yaml").write_text(json.dumps({"commands": [command]}))
+    options = ("--personality", "external", "--duration", "1", "--commands", "commands.yaml")
+    done = floorwalker("run", *options, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_the_files_of_the_built_in_floors_are_floors(floorwalker):
     folder = Path(floorplan.__file__).parent / "data"
     done = floorwalker("check", *sorted(folder.glob("*.yaml")), cwd=folder)

@@ -318,3 +318,30 @@ people: [{name: ann, personality: worker, work: picks, shifts: [[0, 500], [600, 
     assert floorwalker(*words, cwd=tmp_path).returncode == 0
     run = sim.load_run(tmp_path / "run")
     assert run.duration == 120 and run.summary["tasks_done"] == 1
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "word"),
+    [
+        ("fixd", (5.0,), "fixed"),
+        ("fixed", (), "1 values"),
+        ("fixed", (0.0,), "from 0"),
+        ("triangular", (3.0,), "3 values"),
+        ("triangular", (9.0, 5.0, 3.0), "rise"),
+        ("uniform", (5.0, 3.0), "rise"),
+        ("normal", (-1.0, 3.0), "from 0"),
+        ("lognormal", (0.0, 0.5), "from 0"),
+        ("exponential", (float("nan"),), "from 0"),
+    ],
+)
+def test_a_duration_that_cannot_be_drawn_is_a_fault_of_the_trial(kind, values, word):
+    work = {"jobs": WorkList((WorkTask("press", Duration(kind, values)),), repeat=True)}
+    floor = trial("").floorplan
+    with pytest.raises(sim.TrialError, match=r"work.jobs.tasks\[0\].duration.*" + word):
+        sim.run(sim.Trial(floor, work=work))
+
+
+def test_an_unknown_name_on_a_floor_without_such_names_says_so():
+    floor = trial("").floorplan
+    with pytest.raises(sim.TrialError, match=r"'agv9'; there are: none"):
+        sim.run(sim.Trial(floor, agvs={"agv9": ()}))
