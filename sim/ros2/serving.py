@@ -88,10 +88,12 @@ def serve(
     Raises
     ------
     RosError
-        If domain or namespace are not valid.
+        If domain or namespace are not valid, or `speed` is given with `step`.
     """
     if domain is not None and not 0 <= domain <= LAST_DOMAIN:
         raise RosError(f"domain must be from 0 to {LAST_DOMAIN}, not {domain}")
+    if step and speed != 1.0:
+        raise RosError(f"speed {speed:g} has no effect with step, in which services advance time")
     pace = Pace(simulation, speed=speed, step=step)
     context, signals = rclpy.Context(), SignalHandlerOptions.NO
     try:

@@ -288,7 +288,9 @@ def test_bad_commands_are_one_line_each_and_good_ones_still_count(ros):
     )
 
 
-@pytest.mark.parametrize("option", [("--namespace", "bad name"), ("--domain", "500")])
+@pytest.mark.parametrize(
+    "option", [("--namespace", "bad name"), ("--domain", "500"), ("--speed", "2", "--step")]
+)
 def test_an_option_that_ros_does_not_allow_is_one_line(ros, option):
     with ros.serving(hall(), *option, "--out", "run") as server:
         assert server.wait(HANG) == 1
