@@ -3,6 +3,7 @@ from libc.math cimport M_PI as pi
 from navigation.kernels.convex cimport meets_edge
 from navigation.kernels.cubics cimport *
 from navigation.kernels.edges cimport Room, back_through, touches
+from navigation.kernels.fields cimport edge_passes
 
 cdef double _NO_TURN
 

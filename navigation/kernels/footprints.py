@@ -21,6 +21,7 @@ if not cython.compiled:
 
     from .convex import meets_edge
     from .cubics import *
+    from .fields import edge_passes
 
     NAN = float("nan")
 
@@ -226,11 +227,10 @@ def _meets_body(polygon: Numbers, edges: Numbers, rounding: float) -> bool:
 
 
 def _is_inside(edges: Numbers, x: float, y: float) -> bool:
-    """Return whether a place is within edges: a ray crosses an odd number of them."""
-    odd: bool = False
+    """Return whether a place is within edges (even-odd rule)."""
+    inside: bool = False
     k: cython.Py_ssize_t
     for k in range(edge_count(edges)):
-        e: Edge = edges_of(edges)[k]
-        if (e.ay > y) != (e.by > y) and e.ax + (y - e.ay) / (e.by - e.ay) * (e.bx - e.ax) > x:
-            odd = not odd
-    return odd
+        if edge_passes(x, y, edges_of(edges)[k]):
+            inside = not inside
+    return inside
